@@ -1,0 +1,57 @@
+//! Modes at a position: found, counted, tracked into families.
+
+/// One mode at one position, with the family that tracking gave it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackedMode {
+    /// Family over the positions, 1-based; the families are numbered by rank at the first position.
+    pub family: usize,
+    /// Rank at this position by frequency, 1-based, free modes at 0 Hz included.
+    pub rank: usize,
+    /// Natural frequency, Hz.
+    pub frequency: f64,
+    /// Viscous-equivalent damping ratio (zeta + eta / 2).
+    pub damping_ratio: f64,
+}
+
+/// The modes of every position, in families.
+#[derive(Clone, Debug, Default)]
+pub struct ModeFamilies {
+    /// Positions, m.
+    pub positions: Vec<f64>,
+    /// Per position, modes by rank.
+    pub modes: Vec<Vec<TrackedMode>>,
+    /// Pairs of families that veer, with the position: both labellings are conventions there.
+    pub veerings: Vec<Veering>,
+}
+
+/// A place where two families exchange their shapes and the labels are a convention.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Veering {
+    /// Between this position, m,
+    pub from: f64,
+    /// and this one, m.
+    pub to: f64,
+    /// The families.
+    pub families: [usize; 2],
+    /// The best MAC that either kept.
+    pub mac: f64,
+}
+
+/// One line of the paper's table 2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeTableRow {
+    /// Family.
+    pub family: usize,
+    /// Smallest frequency over the travel, Hz.
+    pub min: f64,
+    /// Largest frequency over the travel, Hz.
+    pub max: f64,
+    /// (max - min) / min, percent.
+    pub difference_percent: f64,
+    /// Position of the smallest, m.
+    pub position_of_min: f64,
+    /// Position of the largest, m.
+    pub position_of_max: f64,
+    /// Whether either extremum lies between the ends of the travel.
+    pub interior_extremum: bool,
+}
