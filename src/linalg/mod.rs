@@ -1,1 +1,81 @@
-//! To be written.
+//! Linear algebra: sparse factor, block Lanczos, dense symmetric eigenproblem.
+//!
+//! The only folder that names faer and METIS. Dense matrices in its interfaces are nalgebra's
+//! `DMatrix`, column-major; sparse symmetric matrices are [`SparseSymmetric`].
+
+mod cholesky;
+mod dense;
+mod lanczos;
+mod ordering;
+mod sparse;
+
+pub use cholesky::{Cholesky, Indefinite};
+pub use dense::{
+    SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal_span, symmetric_eigen,
+    symmetric_eigen_sequential,
+};
+pub use lanczos::{LanczosOptions, Spectrum, lowest_modes};
+pub use ordering::Ordering;
+pub use sparse::{SparseBuilder, SparseSymmetric};
+
+/// What a linear-algebra routine could not do.
+#[derive(Debug, thiserror::Error)]
+pub enum LinalgError {
+    /// A matrix that should be positive definite is not.
+    #[error("the matrix is not positive definite: the pivot of unknown {unknown} of {n} is not positive")]
+    NotPositiveDefinite {
+        /// Row of the matrix.
+        unknown: usize,
+        /// Order of the matrix.
+        n: usize,
+    },
+    /// The factor does not fit into memory, or the pattern is not one.
+    #[error("sparse factorisation of order {n} failed: {reason}")]
+    Factorisation {
+        /// Order of the matrix.
+        n: usize,
+        /// What the library said.
+        reason: String,
+    },
+    /// METIS refused the graph.
+    #[error("METIS could not order a graph of {nodes} nodes (status {status})")]
+    Ordering {
+        /// Nodes of the graph.
+        nodes: usize,
+        /// METIS's return value; 1 is success.
+        status: i32,
+    },
+    /// The dense eigenvalue iteration did not converge, or its input is not finite.
+    #[error("the dense symmetric eigenproblem of order {n} did not converge")]
+    Eigen {
+        /// Order of the matrix.
+        n: usize,
+    },
+    /// Block Lanczos used up its steps.
+    #[error(
+        "block Lanczos found {converged} of {wanted} modes in a subspace of {dimension} vectors; \
+         the largest residual is {residual:.1e} where {tolerance:.0e} is asked"
+    )]
+    NotConverged {
+        /// Modes asked for.
+        wanted: usize,
+        /// Modes whose explicit residual is small enough.
+        converged: usize,
+        /// Vectors in the subspace.
+        dimension: usize,
+        /// Largest relative residual among the modes asked for.
+        residual: f64,
+        /// Residual asked for.
+        tolerance: f64,
+    },
+    /// The inertia count and the modes found disagree.
+    #[error("{found} modes were found below {frequency_hz:.3} Hz, but the inertia of K - omega^2 M counts {counted}")]
+    ModesMissed {
+        /// Modes found below the shift.
+        found: usize,
+        /// Modes counted below the shift.
+        counted: usize,
+        /// The shift, Hz.
+        frequency_hz: f64,
+    },
+}

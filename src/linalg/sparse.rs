@@ -1,0 +1,129 @@
+//! Sparse symmetric matrices, stored whole by rows (which are its columns too).
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// A sparse symmetric matrix with both triangles stored: row i is column i.
+#[derive(Clone, Debug)]
+pub struct SparseSymmetric {
+    n: usize,
+    row_start: Vec<usize>,
+    column: Vec<usize>,
+    value: Vec<f64>,
+}
+
+impl SparseSymmetric {
+    /// Order of the matrix.
+    pub fn n(&self) -> usize {
+        self.n
+    }
+
+    /// Stored entries, both triangles.
+    pub fn entries(&self) -> usize {
+        self.value.len()
+    }
+
+    /// Where each row starts in [`Self::columns`] and [`Self::values`]; n + 1 numbers.
+    pub fn row_starts(&self) -> &[usize] {
+        &self.row_start
+    }
+
+    /// Column of each entry, ascending within a row.
+    pub fn columns(&self) -> &[usize] {
+        &self.column
+    }
+
+    /// Value of each entry.
+    pub fn values(&self) -> &[f64] {
+        &self.value
+    }
+
+    /// The diagonal.
+    pub fn diagonal(&self) -> Vec<f64> {
+        (0..self.n).map(|i| self.row(i).find(|&(j, _)| j == i).map_or(0.0, |(_, v)| v)).collect()
+    }
+
+    /// Column and value of each entry of a row.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.row_start[i]..self.row_start[i + 1];
+        self.column[range.clone()].iter().copied().zip(self.value[range].iter().copied())
+    }
+
+    /// The product with a dense n x b block.
+    pub fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        assert_eq!(x.nrows(), self.n, "rows of the block against the order of the matrix");
+        let (n, b) = x.shape();
+        // Rows of the block side by side: one pass over the matrix serves all its columns.
+        let rows = x.transpose();
+        let rows = rows.as_slice();
+        let mut out = DMatrix::<f64>::zeros(b, n);
+        let chunk = 1024;
+        out.as_mut_slice().par_chunks_mut(chunk * b.max(1)).enumerate().for_each(|(c, out)| {
+            for (k, out) in out.chunks_mut(b).enumerate() {
+                for (j, v) in self.row(c * chunk + k) {
+                    for (o, x) in out.iter_mut().zip(&rows[j * b..(j + 1) * b]) {
+                        *o += v * x;
+                    }
+                }
+            }
+        });
+        out.transpose()
+    }
+
+    /// self + factor * other; both have the same pattern.
+    pub fn plus_scaled(&self, factor: f64, other: &Self) -> Self {
+        assert_eq!(self.column, other.column, "the two matrices have one pattern");
+        let value = self.value.iter().zip(&other.value).map(|(a, b)| a + factor * b).collect();
+        Self { value, ..self.clone() }
+    }
+
+    /// A copy in which the given rows and columns are uncoupled: only their diagonal is left.
+    pub fn with_uncoupled(&self, unknowns: &[usize]) -> Self {
+        let mut out = self.clone();
+        let cut: std::collections::BTreeSet<usize> = unknowns.iter().copied().collect();
+        for i in 0..self.n {
+            for k in self.row_start[i]..self.row_start[i + 1] {
+                let j = self.column[k];
+                if i != j && (cut.contains(&i) || cut.contains(&j)) {
+                    out.value[k] = 0.0;
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Collects entries of a symmetric matrix on a pattern that is known in advance.
+#[derive(Clone, Debug)]
+pub struct SparseBuilder {
+    matrix: SparseSymmetric,
+}
+
+impl SparseBuilder {
+    /// An empty matrix whose row i holds the columns `pattern[i]` (ascending, symmetric, with the diagonal).
+    pub fn new(pattern: &[Vec<usize>]) -> Self {
+        let n = pattern.len();
+        let mut row_start = Vec::with_capacity(n + 1);
+        row_start.push(0);
+        for row in pattern {
+            row_start.push(row_start[row_start.len() - 1] + row.len());
+        }
+        let column: Vec<usize> = pattern.iter().flatten().copied().collect();
+        let value = vec![0.0; column.len()];
+        Self { matrix: SparseSymmetric { n, row_start, column, value } }
+    }
+
+    /// Adds to one entry; the mirrored entry is the caller's to add.
+    pub fn add(&mut self, i: usize, j: usize, value: f64) {
+        let range = self.matrix.row_start[i]..self.matrix.row_start[i + 1];
+        match self.matrix.column[range.clone()].binary_search(&j) {
+            Ok(k) => self.matrix.value[range.start + k] += value,
+            Err(_) => panic!("entry ({i}, {j}) is not in the pattern"),
+        }
+    }
+
+    /// The matrix.
+    pub fn finish(self) -> SparseSymmetric {
+        self.matrix
+    }
+}

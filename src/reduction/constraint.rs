@@ -1,0 +1,96 @@
+//! The static response of a part whose interfaces are held or moved.
+//!
+//! With X = K^+ W (W: the interface motions as columns, q = W^T u), a response with prescribed q is
+//! u = K^+ f + X mu + R alpha, where the interface forces mu and the rigid part alpha follow from
+//!
+//! ```text
+//! [ W^T X   W^T R ] [ mu    ]   [ q - W^T K^+ f ]
+//! [ R^T W     0   ] [ alpha ] = [ -R^T f        ]
+//! ```
+//!
+//! Interface motions that depend on each other (overlapping footprints) are first replaced by
+//! independent combinations, those whose flexibility is above 1e-9 of the largest.
+
+use super::ReductionError;
+use super::flexibility::Flexibility;
+use crate::linalg::{LinalgError, independent_directions, multiply, multiply_transposed};
+use nalgebra::{DMatrix, Dyn, LU};
+
+pub(super) struct Constrained<'a> {
+    flexibility: &'a Flexibility<'a>,
+    /// Independent interface motions, n x k.
+    pub motions: DMatrix<f64>,
+    responses: DMatrix<f64>,
+    saddle: LU<f64, Dyn, Dyn>,
+}
+
+impl<'a> Constrained<'a> {
+    /// `attachments` = K^+ `motions`.
+    pub fn new(
+        part: &str,
+        flexibility: &'a Flexibility<'a>,
+        motions: &DMatrix<f64>,
+        attachments: &DMatrix<f64>,
+    ) -> Result<Self, ReductionError> {
+        let failed = |source: LinalgError| ReductionError::Linalg { part: part.to_string(), source };
+        let compliance = multiply_transposed(motions, attachments);
+        let combine = independent_directions(&(0.5 * (&compliance + compliance.transpose())), 1e-9).map_err(failed)?;
+        let motions = multiply(motions, &combine);
+        let responses = multiply(attachments, &combine);
+        let compliance = multiply_transposed(&motions, &responses);
+        let hold = multiply_transposed(&motions, &flexibility.rigid);
+        let (k, r) = hold.shape();
+        let mut matrix = DMatrix::zeros(k + r, k + r);
+        matrix.view_mut((0, 0), (k, k)).copy_from(&compliance);
+        if r > 0 {
+            let singular = hold.clone().svd(false, false).singular_values;
+            let free = if k < r { r - k } else { singular.iter().filter(|s| **s < 1e-8 * singular.max()).count() };
+            if free > 0 {
+                return Err(ReductionError::NotHeld { part: part.to_string(), free });
+            }
+            // Both blocks are brought to one scale.
+            let scale = compliance.norm() / hold.norm();
+            matrix.view_mut((0, k), (k, r)).copy_from(&(&hold * scale));
+            matrix.view_mut((k, 0), (r, k)).copy_from(&(hold.transpose() * scale));
+            return Ok(Self { flexibility, motions, responses: Self::with_rigid(responses, flexibility, scale), saddle: matrix.lu() });
+        }
+        Ok(Self { flexibility, motions, responses, saddle: matrix.lu() })
+    }
+
+    /// Responses [X, scale R], so that u is one product of the saddle's solution.
+    fn with_rigid(responses: DMatrix<f64>, flexibility: &Flexibility<'_>, scale: f64) -> DMatrix<f64> {
+        let (n, k) = responses.shape();
+        let mut all = responses.resize_horizontally(k + flexibility.rigid.ncols(), 0.0);
+        all.view_mut((0, k), (n, flexibility.rigid.ncols())).copy_from(&(&flexibility.rigid * scale));
+        all
+    }
+
+    fn complete(&self, right_side: &DMatrix<f64>) -> DMatrix<f64> {
+        let solution = self.saddle.solve(right_side).expect("the saddle matrix was checked to be regular");
+        multiply(&self.responses, &solution)
+    }
+
+    /// Constraint modes: unit motions of the independent interface combinations, n x k.
+    pub fn constraint_modes(&self) -> DMatrix<f64> {
+        let k = self.motions.ncols();
+        let size = self.responses.ncols();
+        let mut right_side = DMatrix::zeros(size, k);
+        right_side.view_mut((0, 0), (k, k)).fill_with_identity();
+        self.complete(&right_side)
+    }
+
+    /// The response to loads with the interfaces held.
+    pub fn apply(&self, load: &DMatrix<f64>) -> DMatrix<f64> {
+        let k = self.motions.ncols();
+        let size = self.responses.ncols();
+        let elastic = self.flexibility.apply(load);
+        let mut right_side = DMatrix::zeros(size, load.ncols());
+        right_side.view_mut((0, 0), (k, load.ncols())).copy_from(&-multiply_transposed(&self.motions, &elastic));
+        if size > k {
+            let scale = self.responses.column(k).norm() / self.flexibility.rigid.column(0).norm();
+            let balance = multiply_transposed(&self.flexibility.rigid, load) * -scale;
+            right_side.view_mut((k, 0), (size - k, load.ncols())).copy_from(&balance);
+        }
+        elastic + self.complete(&right_side)
+    }
+}

@@ -1,0 +1,282 @@
+//! The superelement: what is left of a part.
+
+use super::basis::rayleigh_ritz;
+use super::flexibility::Flexibility;
+use super::{ReductionError, craig_bampton, free_interface};
+use crate::linalg::{LinalgError, Spectrum, multiply, multiply_transposed};
+use crate::machine::{ComponentAnalysis, Part, ReductionMethod};
+use crate::mesh::read_mesh;
+use crate::solid::{InterfaceMotion, SecondOrder, Surface, assemble};
+use nalgebra::{DMatrix, Matrix3};
+use std::f64::consts::TAU;
+
+/// What to reduce and which interfaces move along it.
+#[derive(Clone, Debug)]
+pub struct ReductionRequest {
+    /// The part.
+    pub part: Part,
+    /// Method and number of modes.
+    pub component: ComponentAnalysis,
+    /// Rails on this part.
+    pub rails: Vec<RailTraining>,
+}
+
+/// A rail and the footprints that its basis has to know in advance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RailTraining {
+    /// Interface of the part.
+    pub interface: usize,
+    /// Unit vector of travel.
+    pub direction: [f64; 3],
+    /// Length of the footprint, m.
+    pub footprint: f64,
+    /// Centres of the footprints along the direction, m.
+    pub centres: Vec<f64>,
+    /// For each centre, rows over the six motions of the footprint at its centroid are formed by a
+    /// point (m, at that centre) and a spring direction; see `solid::rotation_arm`.
+    pub springs: Vec<RailSpring>,
+}
+
+/// A spring that travels along a rail.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RailSpring {
+    /// Where it acts when its centre is at 0 along the direction of travel, m.
+    pub point: [f64; 3],
+    /// Its direction.
+    pub direction: [f64; 3],
+    /// Whether it resists a rotation.
+    pub rotation: bool,
+}
+
+/// A part in reduced coordinates: M = I, K = diag(eigenvalues).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Superelement {
+    /// Name of the part.
+    pub part: String,
+    /// Ritz values, (rad/s)^2, ascending; exactly 0 for the rigid motions of a free part.
+    pub eigenvalues: Vec<f64>,
+    /// Interfaces, in the order of the part.
+    pub interfaces: Vec<ReducedInterface>,
+    /// Rails.
+    pub rails: Vec<ReducedRail>,
+    /// R^T M V: impulses (translations and rotations about the centre of mass) of the reduced
+    /// coordinates, 6 x n; for naming free motions.
+    pub impulses: DMatrix<f64>,
+    /// Centre of mass, m.
+    pub centre_of_mass: [f64; 3],
+    /// Mass, kg.
+    pub mass: f64,
+    /// Inertia tensor about the centre of mass, kg m^2.
+    pub inertia: Matrix3<f64>,
+    /// Frequencies of the component modes kept, Hz.
+    pub component_frequencies: Vec<f64>,
+    /// Nodes of the mesh.
+    pub n_nodes: usize,
+    /// Elements of the mesh.
+    pub n_elements: usize,
+    /// Unknowns before the reduction.
+    pub n_dof: usize,
+}
+
+/// An interface in reduced coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReducedInterface {
+    /// Area centroid, m.
+    pub centroid: [f64; 3],
+    /// Area, m^2.
+    pub area: f64,
+    /// Three translations and three rotations at the centroid, 6 x n.
+    pub rows: DMatrix<f64>,
+}
+
+/// A rail in reduced coordinates: the basis at its surface's nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReducedRail {
+    /// Interface of the part.
+    pub interface: usize,
+    /// Node coordinates, m.
+    pub nodes: Vec<[f64; 3]>,
+    /// The surface, its faces by local node number.
+    pub surface: Surface,
+    /// Displacements of the nodes, 3 n_nodes x n.
+    pub basis: DMatrix<f64>,
+}
+
+impl Superelement {
+    /// Reduced coordinates.
+    pub fn n(&self) -> usize {
+        self.eigenvalues.len()
+    }
+}
+
+impl ReducedRail {
+    /// The rigid motion of a footprint: its area centroid (m) and 6 x n rows there.
+    ///
+    /// `None` if the footprint leaves the rail or covers too little of it to have a rigid motion.
+    pub fn footprint(&self, direction: [f64; 3], centre: f64, length: f64) -> Option<ReducedInterface> {
+        let (from, to) = self.surface.extent(direction);
+        let slack = 1e-9 * (1.0 + (to - from).abs());
+        if centre - 0.5 * length < from - slack || centre + 0.5 * length > to + slack {
+            return None;
+        }
+        let weights = self.surface.weights_in_slab(direction, centre, length);
+        let motion = InterfaceMotion::from_weights(&weights, |n| self.nodes[n])?;
+        let touched = &motion.rows.nodes;
+        let local = DMatrix::from_fn(3 * touched.len(), self.basis.ncols(), |i, k| self.basis[(3 * touched[i / 3] + i % 3, k)]);
+        Some(ReducedInterface { centroid: motion.centroid, area: motion.area, rows: &motion.rows.rows * local })
+    }
+}
+
+/// Reads, assembles and reduces one part.
+///
+/// # Errors
+/// [`ReductionError`], with the part's name.
+pub fn reduce(request: &ReductionRequest) -> Result<Superelement, ReductionError> {
+    let part = &request.part;
+    let failed = |source: LinalgError| ReductionError::Linalg { part: part.name.clone(), source };
+    let mesh = read_mesh(&part.mesh, part.mesh_units)?;
+    let system = assemble(part, &mesh)?;
+    let ordering = system.ordering().map_err(failed)?;
+    let flexibility = Flexibility::new(&system, &ordering).map_err(failed)?;
+    let motions = interface_motions(&system, request);
+    let modes = ComponentModes {
+        modes: request.component.modes,
+        band: request.component.band,
+        second_moment: request.component.second_moment,
+    };
+    let method = match request.component.method {
+        ReductionMethod::CraigBampton => craig_bampton::vectors,
+        ReductionMethod::FreeInterface => free_interface::vectors,
+    };
+    let (component_frequencies, blocks) = method(&part.name, &system, &ordering, &flexibility, &motions, modes)?;
+    let (eigenvalues, vectors) = rayleigh_ritz(&part.name, &system, &flexibility.rigid, blocks)?;
+
+    let interfaces = system
+        .interfaces
+        .iter()
+        .map(|motion| ReducedInterface {
+            centroid: motion.centroid,
+            area: motion.area,
+            rows: multiply_transposed(&system.columns(&motion.rows), &vectors),
+        })
+        .collect();
+    let rails = request.rails.iter().map(|r| r.interface).collect::<std::collections::BTreeSet<_>>();
+    let rails = rails.into_iter().map(|interface| reduced_rail(&system, interface, &vectors)).collect();
+    let impulses = multiply_transposed(&system.rigid, &system.mass.multiply(&vectors));
+    Ok(Superelement {
+        part: part.name.clone(),
+        eigenvalues,
+        interfaces,
+        rails,
+        impulses,
+        centre_of_mass: system.centre_of_mass,
+        mass: system.total_mass,
+        inertia: system.inertia,
+        component_frequencies,
+        n_nodes: mesh.nodes.len(),
+        n_elements: mesh.cells.len(),
+        n_dof: system.n_dof(),
+    })
+}
+
+fn reduced_rail(system: &SecondOrder, interface: usize, vectors: &DMatrix<f64>) -> ReducedRail {
+    let surface = &system.surfaces[interface];
+    let mut nodes: Vec<usize> = surface.faces.iter().flat_map(|f| f.nodes).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let mut local = surface.clone();
+    for face in &mut local.faces {
+        face.nodes = face.nodes.map(|n| nodes.binary_search(&n).unwrap_or_else(|_| unreachable!("nodes lists all of them")));
+    }
+    ReducedRail {
+        interface,
+        nodes: nodes.iter().map(|&n| system.nodes[n]).collect(),
+        surface: local,
+        basis: system.displacements(&nodes, vectors),
+    }
+}
+
+/// Interface motions as columns, n x m: six for every interface that is not a rail, the springs of
+/// the training footprints for the rails.
+fn interface_motions(system: &SecondOrder, request: &ReductionRequest) -> DMatrix<f64> {
+    let mut columns: Vec<DMatrix<f64>> = Vec::new();
+    for (i, motion) in system.interfaces.iter().enumerate() {
+        if !request.rails.iter().any(|r| r.interface == i) {
+            columns.push(system.columns(&motion.rows));
+        }
+    }
+    for rail in &request.rails {
+        let surface = &system.surfaces[rail.interface];
+        for &centre in &rail.centres {
+            let weights = surface.weights_in_slab(rail.direction, centre, rail.footprint);
+            let Some(motion) = InterfaceMotion::from_weights(&weights, |n| system.nodes[n]) else { continue };
+            let rows = rail.springs.iter().map(|s| s.coefficients(rail.direction, centre, motion.centroid));
+            let select = DMatrix::from_columns(&rows.map(|c| nalgebra::DVector::from_row_slice(&c)).collect::<Vec<_>>());
+            columns.push(multiply(&system.columns(&motion.rows), &select));
+        }
+    }
+    let total = columns.iter().map(|c| c.ncols()).sum();
+    let mut all = DMatrix::zeros(system.n_dof(), total);
+    let mut at = 0;
+    for block in &columns {
+        all.columns_mut(at, block.ncols()).copy_from(block);
+        at += block.ncols();
+    }
+    all
+}
+
+impl RailSpring {
+    /// Coefficients over the six motions of a footprint at its centroid.
+    pub fn coefficients(&self, travel: [f64; 3], centre: f64, centroid: [f64; 3]) -> [f64; 6] {
+        if self.rotation {
+            let d = self.direction;
+            return [0.0, 0.0, 0.0, d[0], d[1], d[2]];
+        }
+        let arm = [0, 1, 2].map(|c| self.point[c] + travel[c] * centre - centroid[c]);
+        crate::solid::rotation_arm(self.direction, arm)
+    }
+}
+
+/// How many component modes are wanted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ComponentModes {
+    pub modes: usize,
+    pub band: f64,
+    pub second_moment: bool,
+}
+
+impl ComponentModes {
+    /// A few modes more than wanted, so that the inertia count finds a gap to stand in.
+    pub fn with_guard(self) -> usize {
+        self.modes + 4
+    }
+
+    /// Compares the modes found below a shift in the widest gap past the wanted ones with the inertia.
+    pub fn check_count(
+        self,
+        spectrum: &Spectrum,
+        count_below: impl Fn(f64) -> Result<usize, LinalgError>,
+    ) -> Result<(), LinalgError> {
+        let values = &spectrum.eigenvalues;
+        let last = values.len().saturating_sub(1);
+        let first = self.modes.min(last).saturating_sub(1);
+        let Some(below) = (first..last).max_by(|&a, &b| (values[a + 1] / values[a]).total_cmp(&(values[b + 1] / values[b]))) else {
+            return Ok(());
+        };
+        let shift = 0.5 * (values[below] + values[below + 1]);
+        let (found, counted) = (below + 1, count_below(shift)?);
+        if found == counted {
+            return Ok(());
+        }
+        Err(LinalgError::ModesMissed { found, counted, frequency_hz: shift.sqrt() / TAU })
+    }
+
+    /// Frequencies (Hz) and shapes of the modes kept: the lowest, at most as many as asked for and
+    /// none above the band.
+    pub fn keep(self, spectrum: &Spectrum) -> (Vec<f64>, DMatrix<f64>) {
+        let frequencies = spectrum.eigenvalues.iter().map(|l| l.sqrt() / TAU);
+        let kept: Vec<f64> = frequencies.take(self.modes).take_while(|f| *f <= self.band).collect();
+        let shapes = spectrum.shapes.columns(0, kept.len()).into_owned();
+        (kept, shapes)
+    }
+}

@@ -1,0 +1,264 @@
+//! Assembly of a part's stiffness and mass; clamped nodes and rigid surfaces are eliminated on the way.
+
+use super::numbering::{NodeMap, clamped_nodes, interface_motion, number, rigid_motions};
+use super::{InterfaceMotion, NodeRows, SolidError, Surface};
+use crate::element::tet10::{self, ElementMatrices};
+use crate::linalg::{LinalgError, Ordering, SparseBuilder, SparseSymmetric};
+use crate::machine::Part;
+use crate::mesh::Mesh;
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use rayon::prelude::*;
+
+/// A part as K u = f, M u'' with the motion of every node as a combination of the unknowns.
+pub struct SecondOrder {
+    /// Stiffness, N/m.
+    pub stiffness: SparseSymmetric,
+    /// Mass, kg.
+    pub mass: SparseSymmetric,
+    /// Rigid motions over the unknowns, n x 6 (three translations, three rotations about the centre
+    /// of mass); no columns if the part is clamped.
+    pub rigid: DMatrix<f64>,
+    /// Centre of mass, m.
+    pub centre_of_mass: [f64; 3],
+    /// Total mass, kg.
+    pub total_mass: f64,
+    /// Inertia tensor about the centre of mass, kg m^2.
+    pub inertia: Matrix3<f64>,
+    /// The interfaces' motions, in the order of the part.
+    pub interfaces: Vec<InterfaceMotion>,
+    /// The interfaces' whole surfaces before clipping (rails take their footprints from these).
+    pub surfaces: Vec<Surface>,
+    /// Node coordinates, m.
+    pub nodes: Vec<[f64; 3]>,
+    /// Unknowns of each node: for each of its three displacements, (unknown, factor) pairs.
+    node_unknowns: Vec<NodeMap>,
+    /// Unknowns grouped for the fill-reducing order.
+    groups: Vec<Vec<usize>>,
+    /// The groups that each group touches.
+    neighbours: Vec<Vec<usize>>,
+}
+
+impl SecondOrder {
+    /// Unknowns.
+    pub fn n_dof(&self) -> usize {
+        self.stiffness.n()
+    }
+
+    /// A fill-reducing order of the unknowns.
+    ///
+    /// # Errors
+    /// [`LinalgError::Ordering`] if METIS refuses the graph.
+    pub fn ordering(&self) -> Result<Ordering, LinalgError> {
+        Ordering::nested_dissection(&self.neighbours, &self.groups)
+    }
+
+    /// Six node rows as six columns over the unknowns, n x 6: q = W^T u.
+    pub fn columns(&self, rows: &NodeRows) -> DMatrix<f64> {
+        let mut w = DMatrix::zeros(self.n_dof(), 6);
+        for (k, &node) in rows.nodes.iter().enumerate() {
+            self.node_unknowns[node].each(|unknown, component, factor| {
+                for q in 0..6 {
+                    w[(unknown, q)] += factor * rows.rows[(q, 3 * k + component)];
+                }
+            });
+        }
+        w
+    }
+
+    /// Displacements of some nodes for vectors over the unknowns: 3 n_nodes x b.
+    pub fn displacements(&self, nodes: &[usize], vectors: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut u = DMatrix::zeros(3 * nodes.len(), vectors.ncols());
+        for (k, &node) in nodes.iter().enumerate() {
+            self.node_unknowns[node].each(|unknown, component, factor| {
+                for b in 0..vectors.ncols() {
+                    u[(3 * k + component, b)] += factor * vectors[(unknown, b)];
+                }
+            });
+        }
+        u
+    }
+}
+
+/// Assembles a part.
+///
+/// Stiffness by the four-point rule, consistent mass by fifteen points. Clamped nodes are removed;
+/// the nodes of rigid interfaces follow six unknowns each.
+///
+/// # Errors
+/// [`SolidError`] for inverted elements, missing materials, unknown sets, surfaces without a face,
+/// meshes in pieces, clamps on a line, overlapping rigid surfaces.
+pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
+    let name = &part.name;
+    one_piece(name, mesh)?;
+    let clamped = clamped_nodes(part, mesh)?;
+    let mut surfaces = Vec::new();
+    let mut interfaces = Vec::new();
+    for interface in &part.interfaces {
+        let (surface, motion) = interface_motion(part, mesh, interface)?;
+        surfaces.push(surface);
+        interfaces.push(motion);
+    }
+    let numbering = number(part, mesh, &clamped, &interfaces)?;
+
+    let elements: Vec<_> = mesh
+        .cells
+        .par_iter()
+        .map(|cell| {
+            let material = part.material.as_ref().or_else(|| cell.material.map(|m| &mesh.materials[m]));
+            let material = material.ok_or_else(|| SolidError::NoMaterial { part: name.clone(), element: cell.label })?;
+            let mut x = [[0.0; 3]; tet10::NODES];
+            for (x, &node) in x.iter_mut().zip(&cell.nodes) {
+                *x = mesh.nodes[node];
+            }
+            tet10::matrices(&x, material.young, material.poisson, material.density).map_err(|determinant| {
+                SolidError::InvertedElement { part: name.clone(), element: cell.label, determinant }
+            })
+        })
+        .collect::<Result<_, _>>()?;
+
+    let pattern = pattern(mesh, &numbering.nodes, numbering.n_dof);
+    let (mut stiffness, mut mass) = (SparseBuilder::new(&pattern), SparseBuilder::new(&pattern));
+    for (cell, matrices) in mesh.cells.iter().zip(&elements) {
+        for (a, &na) in cell.nodes.iter().enumerate() {
+            for (b, &nb) in cell.nodes.iter().enumerate() {
+                let (k, m) = (&matrices.stiffness[a][b], matrices.mass[a][b]);
+                numbering.nodes[na].each(|i, ci, fi| {
+                    numbering.nodes[nb].each(|j, cj, fj| {
+                        stiffness.add(i, j, fi * fj * k[ci][cj]);
+                        if ci == cj {
+                            mass.add(i, j, fi * fj * m);
+                        }
+                    });
+                });
+            }
+        }
+    }
+    let body = Body::of(mesh, &elements);
+    let rigid = if clamped.is_empty() {
+        rigid_motions(mesh, part, &interfaces, &numbering, body.centre)
+    } else {
+        DMatrix::zeros(numbering.n_dof, 0)
+    };
+    let neighbours = group_neighbours(&numbering.groups, &pattern);
+    Ok(SecondOrder {
+        stiffness: stiffness.finish(),
+        mass: mass.finish(),
+        rigid,
+        centre_of_mass: body.centre,
+        total_mass: body.mass,
+        inertia: body.inertia,
+        interfaces,
+        surfaces,
+        nodes: mesh.nodes.clone(),
+        node_unknowns: numbering.nodes,
+        groups: numbering.groups,
+        neighbours,
+    })
+}
+
+/// Columns of each row of the assembled matrices, ascending.
+fn pattern(mesh: &Mesh, nodes: &[NodeMap], n_dof: usize) -> Vec<Vec<usize>> {
+    let mut cells_of_node = vec![Vec::new(); mesh.nodes.len()];
+    for (c, cell) in mesh.cells.iter().enumerate() {
+        for &node in &cell.nodes {
+            cells_of_node[node].push(c);
+        }
+    }
+    let rows_of_node: Vec<Vec<usize>> = cells_of_node
+        .par_iter()
+        .map(|cells| {
+            let mut columns: Vec<usize> =
+                cells.iter().flat_map(|&c| mesh.cells[c].nodes.iter().flat_map(|&n| nodes[n].unknowns())).collect();
+            columns.sort_unstable();
+            columns.dedup();
+            columns
+        })
+        .collect();
+    let mut pattern = vec![Vec::new(); n_dof];
+    for (map, columns) in nodes.iter().zip(&rows_of_node) {
+        for unknown in map.unknowns() {
+            let row: &mut Vec<usize> = &mut pattern[unknown];
+            let shared = !row.is_empty();
+            row.extend_from_slice(columns);
+            if shared {
+                row.sort_unstable();
+                row.dedup();
+            }
+        }
+    }
+    pattern
+}
+
+/// The groups that each group of unknowns touches, without itself.
+fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let mut group_of = vec![0; pattern.len()];
+    for (g, unknowns) in groups.iter().enumerate() {
+        for &u in unknowns {
+            group_of[u] = g;
+        }
+    }
+    let touched = |(g, unknowns): (usize, &Vec<usize>)| {
+        let mut touched: Vec<usize> = pattern[unknowns[0]].iter().map(|&u| group_of[u]).filter(|&h| h != g).collect();
+        touched.sort_unstable();
+        touched.dedup();
+        touched
+    };
+    groups.iter().enumerate().map(touched).collect()
+}
+
+/// Refuses a mesh whose elements do not hang together.
+fn one_piece(part: &str, mesh: &Mesh) -> Result<(), SolidError> {
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    let mut parent: Vec<usize> = (0..mesh.nodes.len()).collect();
+    for cell in &mesh.cells {
+        let first = root(&mut parent, cell.nodes[0]);
+        for &node in &cell.nodes[1..] {
+            let other = root(&mut parent, node);
+            parent[other] = first;
+        }
+    }
+    let mut roots: Vec<(usize, u64)> = Vec::new();
+    for cell in &mesh.cells {
+        let r = root(&mut parent, cell.nodes[0]);
+        if !roots.iter().any(|(seen, _)| *seen == r) {
+            roots.push((r, cell.label));
+        }
+    }
+    match roots.get(1) {
+        None => Ok(()),
+        Some(&(_, element)) => Err(SolidError::Pieces { part: part.to_string(), pieces: roots.len(), element }),
+    }
+}
+
+/// Mass, centre and inertia by the consistent mass matrix.
+struct Body {
+    mass: f64,
+    centre: [f64; 3],
+    inertia: Matrix3<f64>,
+}
+
+impl Body {
+    fn of(mesh: &Mesh, elements: &[Box<ElementMatrices>]) -> Self {
+        let (mut mass, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
+        for (cell, matrices) in mesh.cells.iter().zip(elements) {
+            for (a, &na) in cell.nodes.iter().enumerate() {
+                let x = Vector3::from(mesh.nodes[na]);
+                for (b, &nb) in cell.nodes.iter().enumerate() {
+                    let m = matrices.mass[a][b];
+                    mass += m;
+                    first += m * x;
+                    second += m * x * Vector3::from(mesh.nodes[nb]).transpose();
+                }
+            }
+        }
+        let centre: Vector3<f64> = first / mass;
+        let central = second - mass * centre * centre.transpose();
+        Self { mass, centre: centre.into(), inertia: Matrix3::identity() * central.trace() - central }
+    }
+}

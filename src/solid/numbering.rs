@@ -1,0 +1,192 @@
+//! Which unknowns a node's displacement follows from: its own, a rigid surface's, or none.
+
+use super::{InterfaceMotion, SolidError, Surface};
+use crate::machine::{Interface, Part, SurfaceCoupling};
+use crate::mesh::Mesh;
+use nalgebra::{DMatrix, Vector3};
+use std::collections::BTreeSet;
+
+/// How a node's displacement follows from the unknowns.
+#[derive(Clone, Debug)]
+pub(super) enum NodeMap {
+    /// Fixed to ground (or not part of any element).
+    Fixed,
+    /// Its own three unknowns, the first of which is this.
+    Free(usize),
+    /// u = t + theta x arm of the six unknowns from this one on.
+    Rigid(usize, [f64; 3]),
+}
+
+impl NodeMap {
+    /// Calls back (unknown, displacement component, factor).
+    pub fn each(&self, mut f: impl FnMut(usize, usize, f64)) {
+        match self {
+            NodeMap::Fixed => {}
+            NodeMap::Free(first) => (0..3).for_each(|c| f(first + c, c, 1.0)),
+            NodeMap::Rigid(first, [x, y, z]) => {
+                (0..3).for_each(|c| f(first + c, c, 1.0));
+                f(first + 4, 0, *z);
+                f(first + 5, 0, -*y);
+                f(first + 3, 1, -*z);
+                f(first + 5, 1, *x);
+                f(first + 3, 2, *y);
+                f(first + 4, 2, -*x);
+            }
+        }
+    }
+
+    /// The unknowns, without their factors.
+    pub fn unknowns(&self) -> std::ops::Range<usize> {
+        match self {
+            NodeMap::Fixed => 0..0,
+            NodeMap::Free(first) => *first..first + 3,
+            NodeMap::Rigid(first, _) => *first..first + 6,
+        }
+    }
+}
+
+/// Numbering of a part's unknowns.
+pub(super) struct Numbering {
+    /// One a node.
+    pub nodes: Vec<NodeMap>,
+    /// Unknowns that are eliminated together: one group a free node, one a rigid surface.
+    pub groups: Vec<Vec<usize>>,
+    /// Unknowns.
+    pub n_dof: usize,
+}
+
+/// Numbers the unknowns of a part.
+pub(super) fn number(part: &Part, mesh: &Mesh, clamped: &BTreeSet<usize>, interfaces: &[InterfaceMotion]) -> Result<Numbering, SolidError> {
+    let mut used = vec![false; mesh.nodes.len()];
+    for &node in mesh.cells.iter().flat_map(|c| &c.nodes) {
+        used[node] = true;
+    }
+    let mut nodes = vec![NodeMap::Fixed; mesh.nodes.len()];
+    let (mut groups, mut n_dof) = (Vec::new(), 0);
+    let mut owner: Vec<Option<&str>> = vec![None; mesh.nodes.len()];
+    for (interface, motion) in part.interfaces.iter().zip(interfaces) {
+        if interface.coupling != SurfaceCoupling::Rigid {
+            continue;
+        }
+        for &node in rigid_nodes(interface, motion, mesh).iter() {
+            let other = if clamped.contains(&node) { Some("the clamp") } else { owner[node] };
+            if let Some(other) = other {
+                return Err(SolidError::RigidOverlap {
+                    part: part.name.clone(),
+                    interface: interface.name.clone(),
+                    node: mesh.node_labels[node],
+                    other: other.to_string(),
+                });
+            }
+            owner[node] = Some(&interface.name);
+            let arm = Vector3::from(mesh.nodes[node]) - Vector3::from(motion.centroid);
+            nodes[node] = NodeMap::Rigid(n_dof, arm.into());
+        }
+        groups.push((n_dof..n_dof + 6).collect());
+        n_dof += 6;
+    }
+    for node in 0..mesh.nodes.len() {
+        if used[node] && owner[node].is_none() && !clamped.contains(&node) {
+            nodes[node] = NodeMap::Free(n_dof);
+            groups.push((n_dof..n_dof + 3).collect());
+            n_dof += 3;
+        }
+    }
+    Ok(Numbering { nodes, groups, n_dof })
+}
+
+/// The nodes of an interface's surface that lie inside its region.
+fn rigid_nodes(interface: &Interface, motion: &InterfaceMotion, mesh: &Mesh) -> Vec<usize> {
+    let inside = |node: &usize| {
+        interface.within.is_none_or(|region| {
+            (0..3).all(|c| {
+                let slack = 1e-9 * (1.0 + mesh.nodes[*node][c].abs());
+                (region.min[c] - slack..=region.max[c] + slack).contains(&mesh.nodes[*node][c])
+            })
+        })
+    };
+    motion.rows.nodes.iter().copied().filter(inside).collect()
+}
+
+/// Nodes of the clamped sets.
+pub(super) fn clamped_nodes(part: &Part, mesh: &Mesh) -> Result<BTreeSet<usize>, SolidError> {
+    let mut clamped = BTreeSet::new();
+    for set in &part.clamped {
+        clamped.extend(find_set(part, mesh, set, "clamped")?.iter().copied());
+    }
+    let points: Vec<Vector3<f64>> = clamped.iter().map(|&n| Vector3::from(mesh.nodes[n])).collect();
+    if let Some(first) = points.first() {
+        let far = points.iter().map(|p| p - first).max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
+        if !points.iter().any(|p| (p - first).cross(&far).norm() > 1e-6 * far.norm_squared()) {
+            return Err(SolidError::ClampOnLine { part: part.name.clone() });
+        }
+    }
+    Ok(clamped)
+}
+
+/// A part's node set by name.
+pub(super) fn find_set<'m>(part: &Part, mesh: &'m Mesh, set: &str, user: &str) -> Result<&'m [usize], SolidError> {
+    let found = mesh.node_sets.iter().find(|(name, _)| name.eq_ignore_ascii_case(set));
+    found.map(|(_, nodes)| nodes.as_slice()).ok_or_else(|| SolidError::UnknownSet {
+        part: part.name.clone(),
+        user: user.to_string(),
+        set: set.to_string(),
+        mesh: part.mesh.display().to_string(),
+        known: mesh.node_sets.keys().cloned().collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// The surface of an interface and its rigid motion inside its region.
+pub(super) fn interface_motion(part: &Part, mesh: &Mesh, interface: &Interface) -> Result<(Surface, InterfaceMotion), SolidError> {
+    let set = find_set(part, mesh, &interface.nodes, &format!("interface \"{}\"", interface.name))?;
+    let no_surface = |reason: String| SolidError::NoSurface { part: part.name.clone(), interface: interface.name.clone(), reason };
+    let surface = Surface::of_node_set(mesh, set);
+    if surface.faces.is_empty() {
+        return Err(no_surface(format!(
+            "the {} nodes of set \"{}\" cover no outer element face; a face counts when all its nodes, midsides too, are in the set",
+            set.len(),
+            interface.nodes
+        )));
+    }
+    let everywhere = crate::machine::Region { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
+    let weights = surface.weights_within(interface.within.as_ref().unwrap_or(&everywhere));
+    let motion = InterfaceMotion::from_weights(&weights, |n| mesh.nodes[n]).ok_or_else(|| {
+        let (lo, hi): (Vec<f64>, Vec<f64>) =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].iter().map(|d| surface.extent(*d)).unzip();
+        no_surface(format!(
+            "`within` leaves no area of set \"{}\", which spans x {:.4} to {:.4}, y {:.4} to {:.4}, z {:.4} to {:.4} m",
+            interface.nodes, lo[0], hi[0], lo[1], hi[1], lo[2], hi[2]
+        ))
+    })?;
+    Ok((surface, motion))
+}
+
+/// Rigid motions over the unknowns about a point, n x 6.
+pub(super) fn rigid_motions(mesh: &Mesh, part: &Part, interfaces: &[InterfaceMotion], numbering: &Numbering, centre: [f64; 3]) -> DMatrix<f64> {
+    let mut rigid = DMatrix::zeros(numbering.n_dof, 6);
+    let mut set = |first: usize, at: [f64; 3]| {
+        let [x, y, z] = [at[0] - centre[0], at[1] - centre[1], at[2] - centre[2]];
+        let rows = [[1.0, 0.0, 0.0, 0.0, z, -y], [0.0, 1.0, 0.0, -z, 0.0, x], [0.0, 0.0, 1.0, y, -x, 0.0]];
+        for (c, row) in rows.iter().enumerate() {
+            for (q, value) in row.iter().enumerate() {
+                rigid[(first + c, q)] = *value;
+            }
+        }
+    };
+    for (map, &x) in numbering.nodes.iter().zip(&mesh.nodes) {
+        if let NodeMap::Free(first) = map {
+            set(*first, x);
+        }
+    }
+    let rigid_interfaces = part.interfaces.iter().zip(interfaces).filter(|(i, _)| i.coupling == SurfaceCoupling::Rigid);
+    let firsts: Vec<(usize, [f64; 3])> = rigid_interfaces.enumerate().map(|(k, (_, motion))| (6 * k, motion.centroid)).collect();
+    for &(first, centroid) in &firsts {
+        set(first, centroid);
+    }
+    for (first, _) in firsts {
+        for c in 3..6 {
+            rigid[(first + c, c)] = 1.0;
+        }
+    }
+    rigid
+}

@@ -1,0 +1,162 @@
+//! Surfaces of a part: element faces whose nodes all lie in a set, whole or clipped.
+
+use crate::element::{quadrature::tri_degree_5, tet10, tri6};
+use crate::machine::Region;
+use crate::mesh::Mesh;
+use std::collections::HashMap;
+
+/// A face of one element, as a six-node triangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    /// Indices of its nodes: three corners, then the midsides 12, 23, 31.
+    pub nodes: [usize; tri6::NODES],
+    /// Their coordinates, m.
+    pub coordinates: [[f64; 3]; tri6::NODES],
+}
+
+/// A half-space of points with normal . x <= bound.
+#[derive(Clone, Copy, Debug)]
+struct HalfSpace {
+    normal: [f64; 3],
+    bound: f64,
+}
+
+/// A surface made of element faces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Its faces.
+    pub faces: Vec<Face>,
+}
+
+impl Surface {
+    /// The faces whose nodes all lie in a set and that belong to one element only.
+    pub fn of_node_set(mesh: &Mesh, set: &[usize]) -> Self {
+        let mut inside = vec![false; mesh.nodes.len()];
+        for &node in set {
+            inside[node] = true;
+        }
+        let mut faces: HashMap<[usize; 3], (usize, Face)> = HashMap::new();
+        let mut order = Vec::new();
+        for cell in &mesh.cells {
+            for local in tet10::FACES {
+                let nodes = local.map(|i| cell.nodes[i]);
+                if !nodes[..3].iter().all(|&n| inside[n]) {
+                    continue;
+                }
+                let mut key = [nodes[0], nodes[1], nodes[2]];
+                key.sort_unstable();
+                let entry = faces.entry(key).or_insert_with(|| {
+                    order.push(key);
+                    (0, Face { nodes, coordinates: nodes.map(|n| mesh.nodes[n]) })
+                });
+                entry.0 += 1;
+            }
+        }
+        let mut kept = Vec::new();
+        for key in order {
+            if let Some((1, face)) = faces.remove(&key)
+                && face.nodes.iter().all(|&n| inside[n])
+            {
+                kept.push(face);
+            }
+        }
+        Self { faces: kept }
+    }
+
+    /// Integrals w_i of the shape functions over the part of the surface inside a region, by node
+    /// (ascending), m^2.
+    ///
+    /// A face that the region cuts counts with the part inside; the cut is straight in the face's own
+    /// coordinates, between the corners' values.
+    pub fn weights_within(&self, region: &Region) -> Vec<(usize, f64)> {
+        let mut cuts = Vec::new();
+        for axis in 0..3 {
+            let mut normal = [0.0; 3];
+            normal[axis] = 1.0;
+            if region.max[axis].is_finite() {
+                cuts.push(HalfSpace { normal, bound: region.max[axis] });
+            }
+            if region.min[axis].is_finite() {
+                cuts.push(HalfSpace { normal: normal.map(|c: f64| -c), bound: -region.min[axis] });
+            }
+        }
+        self.weights(&cuts)
+    }
+
+    /// The same over the slab |direction . x - centre| <= length / 2.
+    pub fn weights_in_slab(&self, direction: [f64; 3], centre: f64, length: f64) -> Vec<(usize, f64)> {
+        let back = direction.map(|c| -c);
+        self.weights(&[
+            HalfSpace { normal: direction, bound: centre + 0.5 * length },
+            HalfSpace { normal: back, bound: 0.5 * length - centre },
+        ])
+    }
+
+    /// Range of direction . x over the corners of the faces, m.
+    pub fn extent(&self, direction: [f64; 3]) -> (f64, f64) {
+        let corners = self.faces.iter().flat_map(|f| &f.coordinates[..3]).map(|x| dot(&direction, x));
+        corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), s| (lo.min(s), hi.max(s)))
+    }
+
+    fn weights(&self, cuts: &[HalfSpace]) -> Vec<(usize, f64)> {
+        let mut total: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
+        for face in &self.faces {
+            if let Some(weights) = face_weights(face, cuts) {
+                for (node, w) in face.nodes.iter().zip(weights) {
+                    *total.entry(*node).or_insert(0.0) += w;
+                }
+            }
+        }
+        total.into_iter().collect()
+    }
+}
+
+/// Integrals of the six shape functions over the part of a face inside all half-spaces, m^2.
+fn face_weights(face: &Face, cuts: &[HalfSpace]) -> Option<[f64; tri6::NODES]> {
+    let mut polygon = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    for cut in cuts {
+        // Linear between the corners: s(r, s) <= 0 is inside.
+        let at = [0, 1, 2].map(|c| dot(&cut.normal, &face.coordinates[c]) - cut.bound);
+        let value = |p: [f64; 2]| at[0] * (1.0 - p[0] - p[1]) + at[1] * p[0] + at[2] * p[1];
+        polygon = clip(&polygon, value);
+        if polygon.len() < 3 {
+            return None;
+        }
+    }
+    let mut weights = [0.0; tri6::NODES];
+    for k in 1..polygon.len() - 1 {
+        let [a, b, c] = [polygon[0], polygon[k], polygon[k + 1]];
+        let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+        let twice_area = (u[0] * v[1] - u[1] * v[0]).abs();
+        for point in tri_degree_5() {
+            let [r, s] = point.at;
+            let at = [a[0] + r * u[0] + s * v[0], a[1] + r * u[1] + s * v[1]];
+            let w = point.weight * twice_area * tri6::area_element(&face.coordinates, at);
+            for (weight, n) in weights.iter_mut().zip(tri6::shape(at)) {
+                *weight += w * n;
+            }
+        }
+    }
+    Some(weights)
+}
+
+/// Sutherland and Hodgman's clipping of a convex polygon by value <= 0.
+fn clip(polygon: &[[f64; 2]], value: impl Fn([f64; 2]) -> f64) -> Vec<[f64; 2]> {
+    let mut out = Vec::with_capacity(polygon.len() + 1);
+    for (k, &a) in polygon.iter().enumerate() {
+        let b = polygon[(k + 1) % polygon.len()];
+        let (va, vb) = (value(a), value(b));
+        if va <= 0.0 {
+            out.push(a);
+        }
+        if (va < 0.0 && vb > 0.0) || (va > 0.0 && vb < 0.0) {
+            let t = va / (va - vb);
+            out.push([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]);
+        }
+    }
+    out
+}
+
+pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
