@@ -1,1 +1,74 @@
-//! To be written.
+//! Superelements coupled by joints: the only place where position and joint stiffness enter.
+//!
+//! Side by side the superelements have K = diag(lambda), M = I. A spring of stiffness k between two
+//! sides adds k b b^T, where b(p) reads the relative motion of the sides at the joint's point:
+//!
+//! ```text
+//! K(p) = Lambda + B(p)^T diag(k(p)) B(p)
+//! ```
+//!
+//! On a rail b(p) is formed from the area weights of the footprint under the carriage, so it is
+//! continuous and exact at every p. A fixed basis for all positions and all joint stiffnesses brings
+//! the side-by-side coordinates (some 600) to some 150: the component modes of the band's
+//! neighbourhood and the joints' static and second-moment vectors over the whole travel.
+
+mod basis;
+mod joint;
+mod model;
+mod training;
+
+pub use basis::BasisOptions;
+pub use joint::{CoupledJoint, CoupledSpring};
+pub use model::{CoupledModel, PortRow, SideBySide, couple};
+pub use training::reduction_requests;
+
+use crate::linalg::LinalgError;
+
+/// Why the machine could not be coupled.
+#[derive(Debug, thiserror::Error)]
+pub enum CouplingError {
+    /// A carriage's footprint leaves its rail.
+    #[error(
+        "joint \"{joint}\": at position {position} m the footprint from {from:.4} to {to:.4} m leaves the rail, which \
+         spans {rail_from:.4} to {rail_to:.4} m along the travel; shorten the travel or the footprint"
+    )]
+    FootprintLeavesRail {
+        /// Joint.
+        joint: String,
+        /// Position, m.
+        position: f64,
+        /// Start of the footprint along the travel, m.
+        from: f64,
+        /// End of the footprint, m.
+        to: f64,
+        /// Start of the rail, m.
+        rail_from: f64,
+        /// End of the rail, m.
+        rail_to: f64,
+    },
+    /// A ball screw's free length is not positive.
+    #[error("joint \"{joint}\": at position {position} m the free length of the screw is {length:.4} m; mount and nut must not meet within the travel")]
+    ScrewLength {
+        /// Joint.
+        joint: String,
+        /// Position, m.
+        position: f64,
+        /// Length, m.
+        length: f64,
+    },
+    /// A position outside the travel.
+    #[error("position {position} m lies outside the travel of axis \"{axis}\", {from} to {to} m")]
+    OutsideTravel {
+        /// Position, m.
+        position: f64,
+        /// Axis.
+        axis: String,
+        /// One end, m.
+        from: f64,
+        /// The other end, m.
+        to: f64,
+    },
+    /// The fixed basis could not be formed.
+    #[error("the machine's fixed basis: {0}")]
+    Basis(#[from] LinalgError),
+}

@@ -1,5 +1,53 @@
 //! Modes at a position: found, counted, tracked into families.
 
+mod free_motion;
+mod solve;
+mod tracking;
+
+pub use solve::{FreeMotion, ModeCount, Modes, check_count, modes_at};
+pub use tracking::{mode_table, track};
+
+use crate::coupling::CouplingError;
+use crate::linalg::LinalgError;
+
+/// Why the modes at a position could not be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ModalError {
+    /// Position or joint is out of range.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// The dense eigensolver failed.
+    #[error("at position {position} m: {source}")]
+    Eigen {
+        /// Position, m.
+        position: f64,
+        /// What failed.
+        source: LinalgError,
+    },
+    /// A negative eigenvalue beyond rounding.
+    #[error("at position {position} m: the coupled stiffness has the eigenvalue {eigenvalue:.3e} (rad/s)^2, below the rounding of {rounding:.1e}")]
+    Negative {
+        /// Position, m.
+        position: f64,
+        /// Eigenvalue, (rad/s)^2.
+        eigenvalue: f64,
+        /// Rounding of the eigensolver, (rad/s)^2.
+        rounding: f64,
+    },
+    /// The inertia count differs.
+    #[error("at position {position} m: {found} modes were found below {frequency:.3} Hz, but the machine has {counted}")]
+    Missed {
+        /// Position, m.
+        position: f64,
+        /// Frequency, Hz.
+        frequency: f64,
+        /// Modes found.
+        found: usize,
+        /// Modes counted.
+        counted: usize,
+    },
+}
+
 /// One mode at one position, with the family that tracking gave it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackedMode {

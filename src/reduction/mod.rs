@@ -28,15 +28,11 @@ pub use cache::{Cache, CacheError, Cached};
 pub use superelement::{RailSpring, RailTraining, ReducedInterface, ReducedRail, ReductionRequest, Superelement, reduce};
 
 use crate::linalg::LinalgError;
-use crate::mesh::MeshError;
 use crate::solid::SolidError;
 
 /// Why a part could not be reduced.
 #[derive(Debug, thiserror::Error)]
 pub enum ReductionError {
-    /// The mesh could not be read.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
     /// The part could not be assembled.
     #[error(transparent)]
     Solid(#[from] SolidError),

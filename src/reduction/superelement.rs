@@ -5,7 +5,7 @@ use super::flexibility::Flexibility;
 use super::{ReductionError, craig_bampton, free_interface};
 use crate::linalg::{LinalgError, Spectrum, multiply, multiply_transposed};
 use crate::machine::{ComponentAnalysis, Part, ReductionMethod};
-use crate::mesh::read_mesh;
+use crate::mesh::Mesh;
 use crate::solid::{InterfaceMotion, SecondOrder, Surface, assemble};
 use nalgebra::{DMatrix, Matrix3};
 use std::f64::consts::TAU;
@@ -127,15 +127,14 @@ impl ReducedRail {
     }
 }
 
-/// Reads, assembles and reduces one part.
+/// Assembles and reduces one part.
 ///
 /// # Errors
 /// [`ReductionError`], with the part's name.
-pub fn reduce(request: &ReductionRequest) -> Result<Superelement, ReductionError> {
+pub fn reduce(request: &ReductionRequest, mesh: &Mesh) -> Result<Superelement, ReductionError> {
     let part = &request.part;
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.name.clone(), source };
-    let mesh = read_mesh(&part.mesh, part.mesh_units)?;
-    let system = assemble(part, &mesh)?;
+    let system = assemble(part, mesh)?;
     let ordering = system.ordering().map_err(failed)?;
     let flexibility = Flexibility::new(&system, &ordering).map_err(failed)?;
     let motions = interface_motions(&system, request);

@@ -1,6 +1,6 @@
 //! Assembly of a part's stiffness and mass; clamped nodes and rigid surfaces are eliminated on the way.
 
-use super::numbering::{NodeMap, clamped_nodes, interface_motion, number, rigid_motions};
+use super::numbering::{NodeMap, clamped_nodes, interface_motions, number, rigid_motions};
 use super::{InterfaceMotion, NodeRows, SolidError, Surface};
 use crate::element::tet10::{self, ElementMatrices};
 use crate::linalg::{LinalgError, Ordering, SparseBuilder, SparseSymmetric};
@@ -91,13 +91,7 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
     let name = &part.name;
     one_piece(name, mesh)?;
     let clamped = clamped_nodes(part, mesh)?;
-    let mut surfaces = Vec::new();
-    let mut interfaces = Vec::new();
-    for interface in &part.interfaces {
-        let (surface, motion) = interface_motion(part, mesh, interface)?;
-        surfaces.push(surface);
-        interfaces.push(motion);
-    }
+    let (surfaces, interfaces): (Vec<_>, Vec<_>) = interface_motions(part, mesh)?.into_iter().unzip();
     let numbering = number(part, mesh, &clamped, &interfaces)?;
 
     let elements: Vec<_> = mesh

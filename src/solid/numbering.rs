@@ -136,8 +136,15 @@ pub(super) fn find_set<'m>(part: &Part, mesh: &'m Mesh, set: &str, user: &str) -
     })
 }
 
-/// The surface of an interface and its rigid motion inside its region.
-pub(super) fn interface_motion(part: &Part, mesh: &Mesh, interface: &Interface) -> Result<(Surface, InterfaceMotion), SolidError> {
+/// The whole surface of each interface of a part, and its rigid motion inside its region.
+///
+/// # Errors
+/// [`SolidError::UnknownSet`] or [`SolidError::NoSurface`], with what the mesh has instead.
+pub fn interface_motions(part: &Part, mesh: &Mesh) -> Result<Vec<(Surface, InterfaceMotion)>, SolidError> {
+    part.interfaces.iter().map(|interface| interface_motion(part, mesh, interface)).collect()
+}
+
+fn interface_motion(part: &Part, mesh: &Mesh, interface: &Interface) -> Result<(Surface, InterfaceMotion), SolidError> {
     let set = find_set(part, mesh, &interface.nodes, &format!("interface \"{}\"", interface.name))?;
     let no_surface = |reason: String| SolidError::NoSurface { part: part.name.clone(), interface: interface.name.clone(), reason };
     let surface = Surface::of_node_set(mesh, set);

@@ -1,0 +1,149 @@
+//! One joint in reduced coordinates: its rows and stiffness at any position.
+
+use super::CouplingError;
+use crate::machine::{Axis, JointKind, Motion, SpringStiffness};
+use crate::reduction::{ReducedInterface, ReducedRail};
+use crate::solid::rotation_arm;
+use nalgebra::{DMatrix, RowDVector};
+use std::f64::consts::PI;
+
+/// A spring of a joint.
+#[derive(Clone, Debug)]
+pub struct CoupledSpring {
+    /// Name within the joint.
+    pub label: String,
+    /// What it resists.
+    pub motion: Motion,
+    /// Unit vector.
+    pub direction: [f64; 3],
+    /// How stiff.
+    pub stiffness: SpringStiffness,
+    /// Viscous damping, N s/m or N m s/rad.
+    pub damping: f64,
+}
+
+/// A joint between two sides in reduced coordinates.
+#[derive(Clone, Debug)]
+pub struct CoupledJoint {
+    /// Name.
+    pub name: String,
+    /// Kind.
+    pub kind: JointKind,
+    /// Its springs.
+    pub springs: Vec<CoupledSpring>,
+    /// Structural loss factor, if it has its own.
+    pub loss_factor: Option<f64>,
+    /// The common point in the drawn pose, m; it travels with side 1.
+    pub point: [f64; 3],
+    pub(super) sides: [Side; 2],
+    pub(super) footprint: Option<f64>,
+    /// Centroids of both interfaces in the drawn pose, m.
+    pub(super) centroids: [[f64; 3]; 2],
+}
+
+/// One side of a joint: which columns it occupies and how its rigid motion is read there.
+#[derive(Clone, Debug)]
+pub(super) struct Side {
+    pub first_column: usize,
+    pub moves: bool,
+    pub surface: SideSurface,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum SideSurface {
+    Fixed(ReducedInterface),
+    Rail(ReducedRail),
+}
+
+impl Side {
+    /// The same side seen through a basis: its columns times the basis's rows.
+    pub fn project(&self, basis: &DMatrix<f64>) -> Self {
+        let through = |rows: &DMatrix<f64>| crate::linalg::multiply(rows, &basis.rows(self.first_column, rows.ncols()).into_owned());
+        let surface = match &self.surface {
+            SideSurface::Fixed(interface) => SideSurface::Fixed(ReducedInterface { rows: through(&interface.rows), ..interface.clone() }),
+            SideSurface::Rail(rail) => SideSurface::Rail(ReducedRail { basis: through(&rail.basis), ..rail.clone() }),
+        };
+        Self { first_column: 0, moves: self.moves, surface }
+    }
+}
+
+impl CoupledJoint {
+    /// The joint seen through a basis.
+    pub(super) fn project(&self, basis: &DMatrix<f64>) -> Self {
+        Self { sides: [self.sides[0].project(basis), self.sides[1].project(basis)], ..self.clone() }
+    }
+
+    /// Rows b(p) of its springs, n_springs x n: motion of side 1 minus motion of side 0 at the joint's point.
+    pub(super) fn rows(&self, position: f64, axis: &Axis, n: usize) -> Result<DMatrix<f64>, CouplingError> {
+        let mut out = DMatrix::zeros(self.springs.len(), n);
+        for (side, sign) in self.sides.iter().zip([-1.0, 1.0]) {
+            // The point in the coordinates in which this side's part is drawn.
+            let travelled = (f64::from(self.sides[1].moves) - f64::from(side.moves)) * position;
+            let point = [0, 1, 2].map(|c| self.point[c] + travelled * axis.direction[c]);
+            let footprint;
+            let interface = match &side.surface {
+                SideSurface::Fixed(interface) => interface,
+                SideSurface::Rail(rail) => {
+                    footprint = self.footprint_at(rail, point, position, axis)?;
+                    &footprint
+                }
+            };
+            let arm = [0, 1, 2].map(|c| point[c] - interface.centroid[c]);
+            for (k, spring) in self.springs.iter().enumerate() {
+                let d = spring.direction;
+                let coefficients = match spring.motion {
+                    Motion::Translation => rotation_arm(d, arm),
+                    Motion::Rotation => [0.0, 0.0, 0.0, d[0], d[1], d[2]],
+                };
+                let row = sign * RowDVector::from_row_slice(&coefficients) * &interface.rows;
+                let mut target = out.view_mut((k, side.first_column), (1, row.ncols()));
+                target += row;
+            }
+        }
+        Ok(out)
+    }
+
+    fn footprint_at(&self, rail: &ReducedRail, point: [f64; 3], position: f64, axis: &Axis) -> Result<ReducedInterface, CouplingError> {
+        let centre = (0..3).map(|c| point[c] * axis.direction[c]).sum::<f64>();
+        let length = self.footprint.unwrap_or_default();
+        rail.footprint(axis.direction, centre, length).ok_or_else(|| {
+            let (rail_from, rail_to) = rail.surface.extent(axis.direction);
+            CouplingError::FootprintLeavesRail {
+                joint: self.name.clone(),
+                position,
+                from: centre - 0.5 * length,
+                to: centre + 0.5 * length,
+                rail_from,
+                rail_to,
+            }
+        })
+    }
+
+    /// Free length of a ball screw along a direction: the distance between the two sides' centroids, m.
+    pub fn length(&self, position: f64, axis: &Axis, direction: [f64; 3]) -> f64 {
+        let at = |side: usize| {
+            let moved = f64::from(self.sides[side].moves) * position;
+            (0..3).map(|c| (self.centroids[side][c] + moved * axis.direction[c]) * direction[c]).sum::<f64>()
+        };
+        let drawn = (0..3).map(|c| (self.centroids[0][c] - self.centroids[1][c]) * direction[c]).sum::<f64>();
+        (at(0) - at(1)) * drawn.signum()
+    }
+
+    /// Stiffness of each spring, N/m or N m/rad; a ball screw's is E pi D^2 / (4 L).
+    ///
+    /// # Errors
+    /// [`CouplingError::ScrewLength`] if a screw's free length is not positive.
+    pub fn stiffness(&self, position: f64, axis: &Axis) -> Result<Vec<f64>, CouplingError> {
+        let one = |spring: &CoupledSpring| match spring.stiffness {
+            SpringStiffness::Constant(k) => Ok(k),
+            SpringStiffness::BallScrew { young, diameter } => {
+                let length = self.length(position, axis, spring.direction);
+                if length.is_nan() || length <= 0.0 {
+                    return Err(CouplingError::ScrewLength { joint: self.name.clone(), position, length });
+                }
+                Ok(young * PI * diameter * diameter / (4.0 * length))
+            }
+        };
+        self.springs.iter().map(one).collect()
+    }
+}

@@ -1,0 +1,182 @@
+//! Families of modes over the travel.
+//!
+//! From station to station modes are matched by the assignment with the largest sum of MAC values;
+//! in the fixed basis (M = I) the MAC of two shapes is (a . b)^2. Where a mode's match is below 0.9,
+//! positions in between are solved and matched one after the other. What is still below 0.9 at the
+//! finest spacing is a veering: two families exchange their shapes, and which label goes on is a
+//! convention; the pair is reported.
+
+use super::{ModalError, ModeFamilies, ModeTableRow, Modes, TrackedMode, Veering};
+use pathfinding::kuhn_munkres::kuhn_munkres;
+use pathfinding::matrix::Matrix;
+
+/// A match whose MAC is at least this is taken.
+const GOOD_MAC: f64 = 0.9;
+/// Bisections between two stations at most.
+const BISECTIONS: usize = 6;
+/// Modes beyond the reported ones that take part in the matching, so that families may leave and return.
+const MARGIN: usize = 8;
+
+/// Tracks the lowest modes over the positions: `reported` elastic ones and all free motions.
+///
+/// `solve` gives the modes at a position between two stations.
+///
+/// # Errors
+/// What `solve` returns.
+pub fn track(
+    stations: &[Modes],
+    reported: usize,
+    solve: &dyn Fn(f64) -> Result<Modes, ModalError>,
+) -> Result<ModeFamilies, ModalError> {
+    let Some(first) = stations.first() else { return Ok(ModeFamilies::default()) };
+    let followed = |modes: &Modes| (modes.free + reported + MARGIN).min(modes.eigenvalues.len());
+    let listed = |modes: &Modes| (modes.free + reported).min(modes.eigenvalues.len());
+    let mut families: Vec<usize> = (1..=followed(first)).collect();
+    let mut next_family = families.len() + 1;
+    let mut out = ModeFamilies::default();
+    let mut note = |modes: &Modes, families: &[usize]| {
+        out.positions.push(modes.position);
+        let row = families.iter().take(listed(modes)).enumerate().map(|(r, &family)| TrackedMode {
+            family,
+            rank: r + 1,
+            frequency: modes.frequency(r),
+            damping_ratio: modes.damping_ratios[r] + 0.5 * modes.loss_factors[r],
+        });
+        out.modes.push(row.collect());
+    };
+    note(first, &families);
+    let mut veerings: Vec<Veering> = Vec::new();
+    for pair in stations.windows(2) {
+        let matched = bridge(&pair[0], &pair[1], &followed, listed(&pair[0]), solve, BISECTIONS)?;
+        let mut now = vec![0; followed(&pair[1])];
+        for (from, &(to, _)) in matched.to.iter().enumerate() {
+            if let Some(to) = to {
+                now[to] = families[from];
+            }
+        }
+        for family in &mut now {
+            if *family == 0 {
+                *family = next_family;
+                next_family += 1;
+            }
+        }
+        for (a, b, mac, from, to) in matched.lost {
+            veerings.push(Veering { from, to, families: [families[a], families[b]], mac });
+        }
+        families = now;
+        note(&pair[1], &families);
+    }
+    out.veerings = merge(veerings);
+    Ok(out)
+}
+
+/// For each mode at the first position its match at the second and the smallest MAC on the way.
+struct Match {
+    to: Vec<(Option<usize>, f64)>,
+    /// (mode, the mode it exchanges shapes with, MAC, from, to), by ranks at the first position.
+    lost: Vec<(usize, usize, f64, f64, f64)>,
+}
+
+fn bridge(
+    a: &Modes,
+    b: &Modes,
+    followed: &impl Fn(&Modes) -> usize,
+    listed: usize,
+    solve: &dyn Fn(f64) -> Result<Modes, ModalError>,
+    depth: usize,
+) -> Result<Match, ModalError> {
+    let (rows, columns) = (followed(a), followed(b));
+    let mac = nalgebra::DMatrix::from_fn(rows, columns, |i, j| a.shapes.column(i).dot(&b.shapes.column(j)).powi(2));
+    let to = assign(&mac);
+    // Free motions at one position span a space; which vector is which has no meaning.
+    let weak: Vec<usize> = (a.free..listed.min(rows)).filter(|&i| to[i].1 < GOOD_MAC).collect();
+    if weak.is_empty() {
+        return Ok(Match { to, lost: Vec::new() });
+    }
+    if depth == 0 {
+        let partner = |i: usize| {
+            (0..rows).filter(|&o| o != i).max_by(|&o, &p| {
+                let shared = |q: usize| to[i].0.map_or(0.0, |j| mac[(q, j)]);
+                shared(o).total_cmp(&shared(p))
+            })
+        };
+        let lost = weak.iter().filter_map(|&i| Some((i, partner(i)?, to[i].1, a.position, b.position))).collect();
+        return Ok(Match { to, lost });
+    }
+    let middle = solve(0.5 * (a.position + b.position))?;
+    let left = bridge(a, &middle, followed, listed, solve, depth - 1)?;
+    let right = bridge(&middle, b, followed, listed, solve, depth - 1)?;
+    let mut lost = left.lost;
+    let back = |mode: usize| left.to.iter().position(|(t, _)| *t == Some(mode));
+    for (i, j, mac, from, to) in right.lost {
+        if let (Some(i), Some(j)) = (back(i), back(j)) {
+            lost.push((i, j, mac, from, to));
+        }
+    }
+    let to = left.to.iter().map(|&(middle, mac)| middle.map_or((None, 0.0), |m| (right.to[m].0, mac.min(right.to[m].1))));
+    Ok(Match { to: to.collect(), lost })
+}
+
+/// The assignment of rows to columns with the largest sum.
+fn assign(mac: &nalgebra::DMatrix<f64>) -> Vec<(Option<usize>, f64)> {
+    let (rows, columns) = mac.shape();
+    let (few, transposed) = if rows <= columns { (mac.clone(), false) } else { (mac.transpose(), true) };
+    let weights = Matrix::from_fn(few.nrows(), few.ncols(), |(i, j)| (few[(i, j)] * 1e12) as i64);
+    let (_, chosen) = kuhn_munkres(&weights);
+    let mut to = vec![(None, 0.0); rows];
+    for (i, j) in chosen.into_iter().enumerate() {
+        let (row, column) = if transposed { (j, i) } else { (i, j) };
+        to[row] = (Some(column), mac[(row, column)]);
+    }
+    to
+}
+
+/// One line a pair and a place.
+fn merge(mut veerings: Vec<Veering>) -> Vec<Veering> {
+    for v in &mut veerings {
+        v.families.sort_unstable();
+    }
+    let mut out: Vec<Veering> = Vec::new();
+    for v in veerings {
+        match out.iter_mut().find(|o| o.families == v.families && (o.to - v.from).abs().min((o.from - v.from).abs()) < 1e-12) {
+            Some(seen) => {
+                seen.mac = seen.mac.min(v.mac);
+                seen.to = v.to;
+            }
+            None => out.push(v),
+        }
+    }
+    out
+}
+
+/// The paper's table 2: range of each family's frequency over the travel, for families that are
+/// listed at every position.
+pub fn mode_table(families: &ModeFamilies) -> Vec<ModeTableRow> {
+    let Some(first) = families.modes.first() else { return Vec::new() };
+    let (start, end) = (families.positions[0], families.positions[families.positions.len() - 1]);
+    let row = |family: usize| {
+        let curve: Option<Vec<(f64, f64)>> = families
+            .modes
+            .iter()
+            .zip(&families.positions)
+            .map(|(modes, &p)| modes.iter().find(|m| m.family == family).map(|m| (p, m.frequency)))
+            .collect();
+        let curve = curve?;
+        let min = curve.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let max = curve.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let ends = curve[0].1.min(curve[curve.len() - 1].1)..=curve[0].1.max(curve[curve.len() - 1].1);
+        let slack = 1e-9 * max.1;
+        let inside = |p: f64| p != start && p != end;
+        let beyond = min.1 < ends.start() - slack && inside(min.0) || max.1 > ends.end() + slack && inside(max.0);
+        Some(ModeTableRow {
+            family,
+            min: min.1,
+            max: max.1,
+            difference_percent: if min.1 > 0.0 { 100.0 * (max.1 - min.1) / min.1 } else { 0.0 },
+            position_of_min: min.0,
+            position_of_max: max.0,
+            interior_extremum: beyond,
+        })
+    };
+    first.iter().filter_map(|mode| row(mode.family)).collect()
+}

@@ -1,0 +1,292 @@
+//! Superelements on disk, by the hash of everything they depend on.
+//!
+//! A file holds a magic word, the format version, the payload's length and BLAKE3 hash, and the
+//! payload: little-endian 64-bit integers and floats in the order of the struct's fields. A file that
+//! does not match its own hash is reported and rebuilt, never trusted. Files are written aside and
+//! renamed.
+
+use super::superelement::{ReducedInterface, ReducedRail};
+use super::{ReductionError, ReductionRequest, Superelement, reduce};
+use crate::mesh::Mesh;
+use crate::solid::{Face, Surface};
+use nalgebra::{DMatrix, Matrix3};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+const MAGIC: &[u8; 16] = b"stiffmap-reduced";
+/// Raised whenever the layout or the numbers of a superelement change.
+const VERSION: u64 = 1;
+const HEADER: usize = 16 + 8 + 8 + 32;
+
+/// Why the cache could not serve.
+#[derive(Debug, thiserror::Error)]
+pub enum CacheError {
+    /// A file is there but is not what was written.
+    #[error("cache file {file} is damaged ({reason}); it is rebuilt")]
+    Damaged {
+        /// File.
+        file: String,
+        /// What was found.
+        reason: String,
+    },
+    /// A file could not be read or written.
+    #[error("cache file {file}: {source}; the run goes on without it")]
+    Io {
+        /// File.
+        file: String,
+        /// The system's error.
+        source: std::io::Error,
+    },
+}
+
+/// A folder of superelements.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    folder: PathBuf,
+}
+
+/// A superelement, where it came from, and what was wrong with the cache on the way.
+#[derive(Debug)]
+pub struct Cached {
+    /// The superelement.
+    pub superelement: Superelement,
+    /// Whether it was read instead of computed.
+    pub hit: bool,
+    /// What the user should be told.
+    pub warnings: Vec<CacheError>,
+}
+
+impl Cache {
+    /// A cache in a folder, which need not exist yet.
+    pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
+        Self { folder: folder.into() }
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The file in which a request's superelement is kept.
+    ///
+    /// # Errors
+    /// [`CacheError::Io`] if the mesh cannot be read.
+    pub fn file(&self, request: &ReductionRequest) -> Result<PathBuf, CacheError> {
+        let part = &request.part;
+        let mesh = std::fs::read(&part.mesh).map_err(|source| CacheError::Io { file: part.mesh.display().to_string(), source })?;
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&VERSION.to_le_bytes());
+        let described = (&part.name, &part.material, &part.clamped, &part.interfaces, part.mesh_units, request.component, &request.rails);
+        hasher.update(format!("{described:?}").as_bytes());
+        hasher.update(part.mesh.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default().as_bytes());
+        hasher.update(&mesh);
+        Ok(self.folder.join(format!("{}.superelement", &hasher.finalize().to_hex()[..32])))
+    }
+
+    /// The superelement of a request, read if it is there and whole, otherwise computed and kept.
+    ///
+    /// # Errors
+    /// [`ReductionError`] if it has to be computed and cannot be.
+    pub fn reduce(&self, request: &ReductionRequest, mesh: &Mesh) -> Result<Cached, ReductionError> {
+        let mut warnings = Vec::new();
+        let file = match self.file(request) {
+            Ok(file) => file,
+            Err(_) => return reduce(request, mesh).map(|superelement| Cached { superelement, hit: false, warnings }),
+        };
+        match read(&file) {
+            Ok(Some(superelement)) => return Ok(Cached { superelement, hit: true, warnings }),
+            Ok(None) => {}
+            Err(error) => warnings.push(error),
+        }
+        let superelement = reduce(request, mesh)?;
+        if let Err(error) = write(&file, &superelement) {
+            warnings.push(error);
+        }
+        Ok(Cached { superelement, hit: false, warnings })
+    }
+}
+
+fn io_error(file: &Path) -> impl Fn(std::io::Error) -> CacheError + '_ {
+    |source| CacheError::Io { file: file.display().to_string(), source }
+}
+
+fn read(file: &Path) -> Result<Option<Superelement>, CacheError> {
+    let bytes = match std::fs::read(file) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(io_error(file)(error)),
+    };
+    let damaged = |reason: String| CacheError::Damaged { file: file.display().to_string(), reason };
+    if bytes.len() < HEADER || &bytes[..16] != MAGIC {
+        return Err(damaged(format!("{} bytes without the header", bytes.len())));
+    }
+    let word = |at: usize| bytes[at..at + 8].try_into().map_or(0, u64::from_le_bytes);
+    let (version, length) = (word(16), word(24));
+    let payload = &bytes[HEADER..];
+    if version != VERSION || length != payload.len() as u64 {
+        return Err(damaged(format!("version {version}, {} of {length} bytes", payload.len())));
+    }
+    if blake3::hash(payload).as_bytes() != &bytes[32..HEADER] {
+        return Err(damaged("its hash does not match its content".into()));
+    }
+    let mut reader = Reader { bytes: payload };
+    reader.superelement().map(Some).ok_or_else(|| damaged("its content ends early".into()))
+}
+
+fn write(file: &Path, superelement: &Superelement) -> Result<(), CacheError> {
+    let failed = io_error(file);
+    let folder = file.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(&failed)?;
+    let mut payload = Writer::default();
+    payload.superelement(superelement);
+    let payload = payload.bytes;
+    let mut aside = tempfile::Builder::new().prefix(".superelement").tempfile_in(folder).map_err(&failed)?;
+    let mut put = |bytes: &[u8]| aside.write_all(bytes);
+    put(MAGIC).map_err(&failed)?;
+    put(&VERSION.to_le_bytes()).map_err(&failed)?;
+    put(&(payload.len() as u64).to_le_bytes()).map_err(&failed)?;
+    put(blake3::hash(&payload).as_bytes()).map_err(&failed)?;
+    put(&payload).map_err(&failed)?;
+    aside.persist(file).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+#[derive(Default)]
+struct Writer {
+    bytes: Vec<u8>,
+}
+
+impl Writer {
+    fn count(&mut self, value: usize) {
+        self.bytes.extend_from_slice(&(value as u64).to_le_bytes());
+    }
+
+    fn numbers(&mut self, values: &[f64]) {
+        for value in values {
+            self.bytes.extend_from_slice(&value.to_le_bytes());
+        }
+    }
+
+    fn list(&mut self, values: &[f64]) {
+        self.count(values.len());
+        self.numbers(values);
+    }
+
+    fn matrix(&mut self, matrix: &DMatrix<f64>) {
+        self.count(matrix.nrows());
+        self.count(matrix.ncols());
+        self.numbers(matrix.as_slice());
+    }
+
+    fn superelement(&mut self, s: &Superelement) {
+        self.count(s.part.len());
+        self.bytes.extend_from_slice(s.part.as_bytes());
+        self.list(&s.eigenvalues);
+        self.count(s.interfaces.len());
+        for interface in &s.interfaces {
+            self.numbers(&interface.centroid);
+            self.numbers(&[interface.area]);
+            self.matrix(&interface.rows);
+        }
+        self.count(s.rails.len());
+        for rail in &s.rails {
+            self.count(rail.interface);
+            self.count(rail.nodes.len());
+            rail.nodes.iter().for_each(|x| self.numbers(x));
+            self.count(rail.surface.faces.len());
+            for face in &rail.surface.faces {
+                face.nodes.iter().for_each(|&n| self.count(n));
+                face.coordinates.iter().for_each(|x| self.numbers(x));
+            }
+            self.matrix(&rail.basis);
+        }
+        self.matrix(&s.impulses);
+        self.numbers(&s.centre_of_mass);
+        self.numbers(&[s.mass]);
+        self.numbers(s.inertia.as_slice());
+        self.list(&s.component_frequencies);
+        [s.n_nodes, s.n_elements, s.n_dof].iter().for_each(|&n| self.count(n));
+    }
+}
+
+struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl Reader<'_> {
+    fn word(&mut self) -> Option<[u8; 8]> {
+        let (word, rest) = self.bytes.split_first_chunk::<8>()?;
+        self.bytes = rest;
+        Some(*word)
+    }
+
+    fn count(&mut self) -> Option<usize> {
+        usize::try_from(u64::from_le_bytes(self.word()?)).ok()
+    }
+
+    fn number(&mut self) -> Option<f64> {
+        self.word().map(f64::from_le_bytes)
+    }
+
+    fn numbers(&mut self, n: usize) -> Option<Vec<f64>> {
+        let (values, rest) = self.bytes.split_at_checked(n.checked_mul(8)?)?;
+        self.bytes = rest;
+        Some(values.chunks_exact(8).map(|w| f64::from_le_bytes(w.try_into().unwrap_or_default())).collect())
+    }
+
+    fn list(&mut self) -> Option<Vec<f64>> {
+        let n = self.count()?;
+        self.numbers(n)
+    }
+
+    fn point(&mut self) -> Option<[f64; 3]> {
+        self.numbers(3)?.try_into().ok()
+    }
+
+    fn matrix(&mut self) -> Option<DMatrix<f64>> {
+        let (rows, columns) = (self.count()?, self.count()?);
+        Some(DMatrix::from_vec(rows, columns, self.numbers(rows.checked_mul(columns)?)?))
+    }
+
+    fn repeat<T>(&mut self, mut item: impl FnMut(&mut Self) -> Option<T>) -> Option<Vec<T>> {
+        (0..self.count()?).map(|_| item(self)).collect()
+    }
+
+    fn superelement(&mut self) -> Option<Superelement> {
+        let length = self.count()?;
+        let (name, rest) = self.bytes.split_at_checked(length)?;
+        self.bytes = rest;
+        Some(Superelement {
+            part: String::from_utf8(name.to_vec()).ok()?,
+            eigenvalues: self.list()?,
+            interfaces: self.repeat(|r| Some(ReducedInterface { centroid: r.point()?, area: r.number()?, rows: r.matrix()? }))?,
+            rails: self.repeat(|r| {
+                Some(ReducedRail {
+                    interface: r.count()?,
+                    nodes: r.repeat(Self::point)?,
+                    surface: Surface { faces: r.repeat(Self::face)? },
+                    basis: r.matrix()?,
+                })
+            })?,
+            impulses: self.matrix()?,
+            centre_of_mass: self.point()?,
+            mass: self.number()?,
+            inertia: Matrix3::from_column_slice(&self.numbers(9)?),
+            component_frequencies: self.list()?,
+            n_nodes: self.count()?,
+            n_elements: self.count()?,
+            n_dof: self.count()?,
+        })
+    }
+
+    fn face(&mut self) -> Option<Face> {
+        let mut face = Face { nodes: [0; 6], coordinates: [[0.0; 3]; 6] };
+        for node in &mut face.nodes {
+            *node = self.count()?;
+        }
+        for x in &mut face.coordinates {
+            *x = self.point()?;
+        }
+        Some(face)
+    }
+}
