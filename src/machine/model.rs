@@ -1,0 +1,306 @@
+//! The types of a machine, in SI units.
+
+use std::path::PathBuf;
+
+/// A machine: parts, the joints between them, the axis that moves some of them, and what to analyse.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    /// Name, for titles and the default output folder.
+    pub name: String,
+    /// The machine file itself, for messages.
+    pub file: PathBuf,
+    /// Finite-element parts.
+    pub parts: Vec<Part>,
+    /// Joints between interfaces of two parts.
+    pub joints: Vec<Joint>,
+    /// The axis of travel.
+    pub axis: Axis,
+    /// Where forces enter and motions are read.
+    pub ports: Vec<Port>,
+    /// What to compute.
+    pub analysis: Analysis,
+}
+
+/// One finite-element part.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Name, unique in the machine.
+    pub name: String,
+    /// Mesh file, resolved against the machine file's folder.
+    pub mesh: PathBuf,
+    /// Material of the whole part; `None` takes the mesh file's own.
+    pub material: Option<Material>,
+    /// Node sets whose three translations are fixed to ground.
+    pub clamped: Vec<String>,
+    /// Interfaces, in the file's order.
+    pub interfaces: Vec<Interface>,
+    /// Structural loss factor of the part, if it has its own.
+    pub loss_factor: Option<f64>,
+    /// Length, mass and time unit of the mesh file, as factors to m, kg, s.
+    pub mesh_units: MeshUnits,
+}
+
+/// Factors from a mesh file's units to m, kg and s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshUnits {
+    /// Metres per length unit.
+    pub length: f64,
+    /// Kilograms per mass unit.
+    pub mass: f64,
+    /// Seconds per time unit.
+    pub time: f64,
+}
+
+impl MeshUnits {
+    /// Metre, kilogram, second: N, Pa, kg/m^3.
+    pub const METRE_KILOGRAM_SECOND: Self = Self {
+        length: 1.0,
+        mass: 1.0,
+        time: 1.0,
+    };
+    /// Millimetre, tonne, second: N, MPa, t/mm^3.
+    pub const MILLIMETRE_TONNE_SECOND: Self = Self {
+        length: 1e-3,
+        mass: 1e3,
+        time: 1.0,
+    };
+
+    /// Pascals per stress unit of the mesh file.
+    pub fn stress(self) -> f64 {
+        self.mass / (self.length * self.time * self.time)
+    }
+
+    /// kg/m^3 per density unit of the mesh file.
+    pub fn density(self) -> f64 {
+        self.mass / self.length.powi(3)
+    }
+}
+
+/// Isotropic linear elastic material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name.
+    pub name: String,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Density, kg/m^3.
+    pub density: f64,
+}
+
+/// A surface of a part, made of the element faces whose nodes all lie in a node set.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    /// Name, unique in its part.
+    pub name: String,
+    /// Node set of the mesh.
+    pub nodes: String,
+    /// Region that clips the surface, in the coordinates of the mesh (m); `None` takes all of it.
+    pub within: Option<Region>,
+    /// How the surface's motion follows from its nodes.
+    pub coupling: SurfaceCoupling,
+}
+
+/// Axis-aligned box; a missing bound is infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// Lower bounds, m.
+    pub min: [f64; 3],
+    /// Upper bounds, m.
+    pub max: [f64; 3],
+}
+
+/// How an interface's rigid motion is tied to the nodes of its surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SurfaceCoupling {
+    /// Area-weighted least-squares motion; the surface stays deformable.
+    Distributing,
+    /// The surface moves as a rigid body.
+    Rigid,
+}
+
+/// An interface of a part, by index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct InterfaceRef {
+    /// Index into [`Machine::parts`].
+    pub part: usize,
+    /// Index into [`Part::interfaces`].
+    pub interface: usize,
+}
+
+/// What kind of joint the machine file named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// Carriage on a rail; side 0 is the rail, side 1 the carriage.
+    LinearGuide,
+    /// Radial and axial stiffness at a point of an axis.
+    Bearing,
+    /// Axial stiffness E pi D^2 / (4 L), L following the position; side 1 is the nut.
+    BallScrew,
+    /// Three translational and three rotational stiffnesses.
+    Bolted,
+    /// One or more single springs with dampers.
+    SpringDamper,
+}
+
+/// A joint: springs between the motions of two interfaces, taken at one common point.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    /// Name, unique in the machine.
+    pub name: String,
+    /// Kind.
+    pub kind: JointKind,
+    /// The two sides. For a guide the rail, then the carriage; for a ball screw the mount, then the nut.
+    pub between: [InterfaceRef; 2],
+    /// Length of rail (m, along the axis of travel) that side 0 sees, centred on the common point.
+    pub footprint: Option<f64>,
+    /// The common point, in the pose in which the meshes are drawn; it travels with side 1.
+    pub at: JointPoint,
+    /// The springs.
+    pub springs: Vec<Spring>,
+    /// Structural loss factor of the joint, if it has its own.
+    pub loss_factor: Option<f64>,
+}
+
+/// Where a joint's springs act.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JointPoint {
+    /// A point, m, in the pose in which the meshes are drawn.
+    Point([f64; 3]),
+    /// The area centroid of side 0 or side 1.
+    Centroid(usize),
+}
+
+/// One spring with its damper, along or about a direction.
+#[derive(Clone, Debug)]
+pub struct Spring {
+    /// What it resists.
+    pub motion: Motion,
+    /// Unit vector.
+    pub direction: [f64; 3],
+    /// How stiff.
+    pub stiffness: SpringStiffness,
+    /// Viscous damping, N s/m or N m s/rad.
+    pub damping: f64,
+    /// Short name within its joint, such as `x`, `radial 1`, `axial`.
+    pub label: String,
+}
+
+/// What a spring resists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Motion {
+    /// Relative translation along the direction.
+    Translation,
+    /// Relative rotation about the direction.
+    Rotation,
+}
+
+/// Stiffness of a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpringStiffness {
+    /// N/m or N m/rad.
+    Constant(f64),
+    /// E pi D^2 / (4 L), with L the distance between the two sides' centroids along the joint's axis.
+    BallScrew {
+        /// Young's modulus, Pa.
+        young: f64,
+        /// Diameter, m.
+        diameter: f64,
+    },
+}
+
+/// The axis of travel.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Name.
+    pub name: String,
+    /// Unit vector of positive travel.
+    pub direction: [f64; 3],
+    /// First and last position, m, in the order of the file; the meshes are drawn at position 0.
+    pub travel: [f64; 2],
+    /// Distance between stations, m, positive.
+    pub step: f64,
+    /// For each part, whether it moves with this axis.
+    pub moves: Vec<bool>,
+}
+
+impl Axis {
+    /// The stations of the travel, from its first to its last position, m.
+    pub fn stations(&self) -> Vec<f64> {
+        let [from, to] = self.travel;
+        let intervals = ((to - from).abs() / self.step * (1.0 + 1e-9))
+            .floor()
+            .max(0.0) as usize;
+        let sign = if to < from { -1.0 } else { 1.0 };
+        // A station is rounded to a picometre so that 0.1 + 0.2 reads as 0.3 in every file.
+        let mut stations: Vec<f64> = (0..=intervals)
+            .map(|i| ((from + sign * self.step * i as f64) * 1e12).round() / 1e12)
+            .collect();
+        if stations.last().is_some_and(|last| (last - to).abs() > 1e-9) {
+            stations.push(to);
+        }
+        stations
+    }
+}
+
+/// Where forces enter and motions are read.
+#[derive(Clone, Debug)]
+pub struct Port {
+    /// Name, unique in the machine.
+    pub name: String,
+    /// The interface whose motion it is, read at that interface's area centroid.
+    pub interface: InterfaceRef,
+    /// Directions, each with its name (`x`, `y`, `z`).
+    pub directions: Vec<(String, [f64; 3])>,
+    /// Whether forces act here.
+    pub input: bool,
+    /// Whether motion is read here.
+    pub output: bool,
+}
+
+/// What to compute.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    /// Reduction of the parts.
+    pub component: ComponentAnalysis,
+    /// Modes in the state space of each position (free modes at 0 Hz included).
+    pub modes: usize,
+    /// Frequency grid of the map, Hz, ascending.
+    pub frequencies: Vec<f64>,
+    /// Damping of the coupled modes.
+    pub damping: Damping,
+}
+
+/// Reduction of the parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ComponentAnalysis {
+    /// Component modes a part, at most.
+    pub modes: usize,
+    /// Component modes above this frequency (Hz) are not kept; infinite for no bound.
+    pub band: f64,
+    /// Reduction method.
+    pub method: ReductionMethod,
+    /// Whether K^-1 M K^-1 B is added to K^-1 B.
+    pub second_moment: bool,
+}
+
+/// Component mode synthesis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ReductionMethod {
+    /// Constraint modes and fixed-interface modes.
+    CraigBampton,
+    /// Free-interface modes and attachment modes.
+    FreeInterface,
+}
+
+/// Damping of the coupled modes; joint dampers and loss factors of parts and joints come on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Damping {
+    /// Viscous ratios: one for all modes, or one a mode (the last is kept for those beyond the list).
+    pub ratios: Vec<f64>,
+    /// Rayleigh damping C = alpha M + beta K: (alpha in 1/s, beta in s).
+    pub rayleigh: Option<[f64; 2]>,
+    /// Structural loss factor of the whole machine.
+    pub loss_factor: f64,
+}
