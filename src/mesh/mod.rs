@@ -1,7 +1,66 @@
 //! A part's finite-element mesh: nodes, cells, named sets; one file a format.
+//!
+//! [`read_mesh`] chooses the format by the file's extension. Abaqus/CalculiX `.inp` is read by
+//! [`inp::read_inp`].
 
-use crate::machine::Material;
+mod error;
+pub mod inp;
+
+pub use error::{MeshError, Spot};
+pub use inp::read_inp;
+
+use crate::machine::{Material, MeshUnits, nearest};
 use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A mesh and what its file said that was passed over.
+#[derive(Clone, Debug)]
+pub struct MeshFile {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What was passed over without changing the result, by line.
+    pub warnings: Vec<Warning>,
+}
+
+/// Something in a mesh file that was passed over.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// Line of the file, counted from 1; 0 for the file as a whole.
+    pub line: usize,
+    /// What, and what became of it.
+    pub text: String,
+}
+
+/// The mesh of a file with its warnings; the format follows from the extension.
+///
+/// # Errors
+/// [`MeshError::UnknownFormat`] for an extension that no reader knows, otherwise as [`inp::read_inp`].
+pub fn read_mesh_file(path: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase();
+    match extension.as_str() {
+        "inp" => inp::read_inp_file(path, units),
+        _ => Err(MeshError::UnknownFormat {
+            file: path.to_path_buf(),
+            extension,
+        }),
+    }
+}
+
+/// The mesh of a file; its warnings go to the log.
+///
+/// # Errors
+/// As [`read_mesh_file`].
+pub fn read_mesh(path: &Path, units: MeshUnits) -> Result<Mesh, MeshError> {
+    let MeshFile { mesh, warnings } = read_mesh_file(path, units)?;
+    for Warning { line, text } in warnings {
+        tracing::warn!("{}:{line}: {text}", path.display());
+    }
+    Ok(mesh)
+}
 
 /// A mesh in metres, with its named sets and materials in SI.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +77,34 @@ pub struct Mesh {
     pub element_sets: BTreeMap<String, Vec<usize>>,
     /// Materials of the file.
     pub materials: Vec<Material>,
+}
+
+impl Mesh {
+    /// The nodes of a set, as indices into [`Mesh::nodes`]; the name's case does not matter.
+    pub fn node_set(&self, name: &str) -> Option<&[usize]> {
+        find_set(&self.node_sets, name)
+    }
+
+    /// The cells of a set, as indices into [`Mesh::cells`]; the name's case does not matter.
+    pub fn element_set(&self, name: &str) -> Option<&[usize]> {
+        find_set(&self.element_sets, name)
+    }
+
+    /// The node set that `name` is probably a misspelling of.
+    pub fn nearest_node_set(&self, name: &str) -> Option<&str> {
+        nearest(name, self.node_sets.keys().map(String::as_str))
+    }
+}
+
+fn find_set<'a>(sets: &'a BTreeMap<String, Vec<usize>>, name: &str) -> Option<&'a [usize]> {
+    let exact = sets.get(name);
+    exact
+        .or_else(|| {
+            sets.iter()
+                .find(|(key, _)| key.eq_ignore_ascii_case(name))
+                .map(|(_, set)| set)
+        })
+        .map(Vec::as_slice)
 }
 
 /// One finite element.

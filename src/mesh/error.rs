@@ -1,0 +1,185 @@
+//! What is wrong with a mesh file.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// A line of a mesh file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Spot {
+    /// The mesh file.
+    pub file: PathBuf,
+    /// Line, counted from 1.
+    pub line: usize,
+}
+
+impl fmt::Display for Spot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.file.display(), self.line)
+    }
+}
+
+/// Why a mesh file is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// The file is missing or may not be read.
+    #[error("{}: cannot read the mesh file: {source}; correct the name or the permissions", file.display())]
+    Unreadable {
+        /// The mesh file.
+        file: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// No reader for this extension.
+    #[error("{}: unknown mesh format {extension:?}; allowed: \"inp\" (Abaqus, CalculiX); export the mesh in that format", file.display())]
+    UnknownFormat {
+        /// The mesh file.
+        file: PathBuf,
+        /// Its extension in lower case.
+        extension: String,
+    },
+    /// Bytes that are no text.
+    #[error(
+        "{spot}: found bytes that are not text; allowed: UTF-8; save the file as text in UTF-8"
+    )]
+    NotText {
+        /// Where.
+        spot: Spot,
+    },
+    /// A keyword that would change the result and is not supported.
+    #[error(
+        "{spot}: the keyword *{keyword} is not supported and would change the result; {advice}"
+    )]
+    Keyword {
+        /// Where.
+        spot: Spot,
+        /// The keyword as the file writes it.
+        keyword: String,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// A parameter of a keyword that is missing, unknown, or of a value that is not supported.
+    #[error("{spot}: *{keyword}: {seen}; allowed: {allowed}; {advice}")]
+    Parameter {
+        /// Where.
+        spot: Spot,
+        /// The keyword.
+        keyword: &'static str,
+        /// What was seen.
+        seen: String,
+        /// What is allowed.
+        allowed: &'static str,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// A value on a data line that cannot be read or is not allowed.
+    #[error("{spot}: *{keyword}: found {seen:?}; allowed: {allowed}; correct the line")]
+    Value {
+        /// Where.
+        spot: Spot,
+        /// The keyword of the section.
+        keyword: &'static str,
+        /// The text seen, shortened.
+        seen: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// A section or the file ends too early.
+    #[error("{spot}: {what} ends too early: {detail}; the file may be cut off, write it again")]
+    Truncated {
+        /// Where the file or section ends.
+        spot: Spot,
+        /// What ends.
+        what: &'static str,
+        /// What is missing.
+        detail: String,
+    },
+    /// A label given twice.
+    #[error(
+        "{spot}: {kind} {label} is given twice; allowed: each {kind} label once; renumber the mesh"
+    )]
+    Duplicate {
+        /// Where the second one stands.
+        spot: Spot,
+        /// `node`, `element`, or `material`.
+        kind: &'static str,
+        /// The label or name.
+        label: String,
+    },
+    /// A reference to a node or element that does not exist.
+    #[error(
+        "{spot}: {by} refers to {kind} {label}, which does not exist; allowed: labels of the file; the file may be cut off, write it again"
+    )]
+    MissingLabel {
+        /// Where.
+        spot: Spot,
+        /// What refers to it.
+        by: String,
+        /// `node` or `element`.
+        kind: &'static str,
+        /// The label.
+        label: u64,
+    },
+    /// A reference to a set or material that does not exist.
+    #[error(
+        "{spot}: no {kind} is called {name:?}{}; define it in the file or correct the name",
+        did_you_mean(nearest)
+    )]
+    UnknownName {
+        /// Where.
+        spot: Spot,
+        /// `node set`, `element set`, or `material`.
+        kind: &'static str,
+        /// The name seen.
+        name: String,
+        /// The existing name that was probably meant.
+        nearest: Option<String>,
+    },
+    /// A material that elements use and that lacks a property.
+    #[error(
+        "{spot}: the material {name:?} has no {property}; add {keyword} to it, or give the part a material in the machine file and remove *SOLID SECTION"
+    )]
+    IncompleteMaterial {
+        /// Where the section that uses it stands.
+        spot: Spot,
+        /// The material.
+        name: String,
+        /// What it lacks.
+        property: &'static str,
+        /// The keyword that gives it.
+        keyword: &'static str,
+    },
+    /// An element with two materials.
+    #[error(
+        "{spot}: element {element} already has the material {first:?}; allowed: one *SOLID SECTION an element; correct the element sets"
+    )]
+    TwoMaterials {
+        /// Where the second section stands.
+        spot: Spot,
+        /// The element's label.
+        element: u64,
+        /// The material it has.
+        first: String,
+    },
+    /// More set members than any mesh needs.
+    #[error(
+        "{spot}: the sets up to here have more than {limit} members; remove sets that are not needed"
+    )]
+    TooManyMembers {
+        /// Where.
+        spot: Spot,
+        /// The limit.
+        limit: usize,
+    },
+    /// No element to assemble.
+    #[error("{}: the mesh has no elements; allowed: at least one *ELEMENT, TYPE=C3D10; the file may be cut off", file.display())]
+    NoElements {
+        /// The mesh file.
+        file: PathBuf,
+    },
+}
+
+fn did_you_mean(nearest: &Option<String>) -> String {
+    nearest
+        .as_ref()
+        .map_or_else(String::new, |name| format!(" (did you mean {name:?}?)"))
+}

@@ -1,0 +1,175 @@
+//! Lines, keywords and values of an input file.
+
+use crate::mesh::{MeshError, Spot};
+use std::path::Path;
+
+type Result<T> = std::result::Result<T, MeshError>;
+
+/// The lines of a file without comments and empty lines, with one line of look-ahead.
+pub struct Lines<'a> {
+    pub file: &'a Path,
+    rest: std::str::Lines<'a>,
+    number: usize,
+    ahead: Option<(usize, &'a str)>,
+}
+
+/// A keyword line such as `*NSET, NSET=BASE`.
+pub struct Keyword<'a> {
+    /// In upper case without blanks, such as `SOLIDSECTION`.
+    pub name: String,
+    /// As the file writes it.
+    pub spelling: &'a str,
+    pub line: usize,
+    /// Name in upper case without blanks, and value (empty for a flag).
+    pub parameters: Vec<(String, &'a str)>,
+}
+
+impl<'a> Lines<'a> {
+    pub fn new(text: &'a str, file: &'a Path) -> Self {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut lines = Lines {
+            file,
+            rest: text.lines(),
+            number: 0,
+            ahead: None,
+        };
+        lines.advance();
+        lines
+    }
+
+    fn advance(&mut self) {
+        self.ahead = None;
+        for line in self.rest.by_ref() {
+            self.number += 1;
+            let line = line.trim();
+            if !line.is_empty() && !line.starts_with("**") {
+                self.ahead = Some((self.number, line));
+                return;
+            }
+        }
+    }
+
+    /// Last line read.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    pub fn spot(&self, line: usize) -> Spot {
+        Spot {
+            file: self.file.to_path_buf(),
+            line,
+        }
+    }
+
+    /// The next data line, unless a keyword or the end of the file comes first.
+    pub fn next_data(&mut self) -> Option<(usize, &'a str)> {
+        let (number, line) = self.ahead.filter(|(_, line)| !line.starts_with('*'))?;
+        self.advance();
+        Some((number, line))
+    }
+
+    /// Passes over data lines up to the next keyword.
+    pub fn skip_data(&mut self) {
+        while self.next_data().is_some() {}
+    }
+
+    /// The next keyword, unless a data line or the end of the file comes first.
+    pub fn next_keyword(&mut self) -> Option<Keyword<'a>> {
+        let (number, line) = self.ahead.filter(|(_, line)| line.starts_with('*'))?;
+        self.advance();
+        let mut fields = line[1..].split(',').map(str::trim);
+        let spelling = fields.next().unwrap_or_default();
+        let mut keyword = Keyword {
+            name: canonical(spelling),
+            spelling,
+            line: number,
+            parameters: Vec::new(),
+        };
+        keyword.add_parameters(fields);
+        let mut last = line;
+        // A keyword line that ends in a comma goes on in the next line.
+        while last.ends_with(',') {
+            let Some((_, line)) = self.next_data() else {
+                break;
+            };
+            keyword.add_parameters(line.split(',').map(str::trim));
+            last = line;
+        }
+        Some(keyword)
+    }
+}
+
+impl<'a> Keyword<'a> {
+    fn add_parameters(&mut self, fields: impl Iterator<Item = &'a str>) {
+        for field in fields.filter(|field| !field.is_empty()) {
+            let (name, value) = field.split_once('=').unwrap_or((field, ""));
+            self.parameters
+                .push((canonical(name), value.trim().trim_matches('"')));
+        }
+    }
+
+    /// The value of a parameter; empty for a flag.
+    pub fn get(&self, name: &str) -> Option<&'a str> {
+        self.parameters
+            .iter()
+            .find(|(other, _)| other == name)
+            .map(|(_, value)| *value)
+    }
+}
+
+/// Upper case without blanks.
+pub fn canonical(name: &str) -> String {
+    name.chars()
+        .filter(|c| !c.is_whitespace())
+        .collect::<String>()
+        .to_uppercase()
+}
+
+/// The values of a data line; the empty one after a trailing comma is left out.
+pub fn fields(line: &str) -> impl Iterator<Item = &str> {
+    line.strip_suffix(',')
+        .unwrap_or(line)
+        .split(',')
+        .map(str::trim)
+}
+
+/// A finite number; Fortran's `1.0D+3` is read.
+pub fn number(field: &str) -> Option<f64> {
+    let value = field.parse::<f64>().ok().or_else(|| {
+        field
+            .contains(['d', 'D'])
+            .then(|| field.replace(['d', 'D'], "e").parse::<f64>().ok())?
+    })?;
+    value.is_finite().then_some(value)
+}
+
+/// A label: a whole number from 1 on.
+pub fn label(field: &str) -> Option<u64> {
+    let field = field.strip_prefix('+').unwrap_or(field);
+    let starts_with_digit = field.as_bytes().first().is_some_and(u8::is_ascii_digit);
+    starts_with_digit
+        .then(|| field.parse::<u64>().ok())?
+        .filter(|&label| label > 0)
+}
+
+/// An error about a value on a data line.
+pub fn bad_value<T>(
+    spot: Spot,
+    keyword: &'static str,
+    seen: &str,
+    allowed: impl Into<String>,
+) -> Result<T> {
+    const LONGEST: usize = 60;
+    let shown: String = seen.chars().take(LONGEST).collect();
+    let seen = if shown.len() < seen.len() {
+        format!("{shown}...")
+    } else {
+        shown
+    };
+    Err(MeshError::Value {
+        spot,
+        keyword,
+        seen,
+        allowed: allowed.into(),
+    })
+}

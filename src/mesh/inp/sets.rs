@@ -1,0 +1,227 @@
+//! Named sets, from labels, ranges and other sets.
+
+use super::labels::Labels;
+use super::raw::{Members, RawSet};
+use crate::machine::nearest;
+use crate::mesh::{MeshError, Spot, Warning};
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+type Result<T> = std::result::Result<T, MeshError>;
+
+/// Most members of all sets together, before duplicates are removed; bounds time and memory.
+const MOST_MEMBERS: usize = 50_000_000;
+
+/// Sets by their name in upper case.
+pub struct Sets(HashMap<String, Set>);
+
+struct Set {
+    /// The spelling that came first.
+    spelling: String,
+    /// Indices; ascending and without duplicates only up to `sorted`.
+    members: Vec<u32>,
+    sorted: usize,
+}
+
+impl Set {
+    fn extend(&mut self, added: &[u32]) {
+        self.members.extend_from_slice(added);
+        if self.members.len() > 2 * self.sorted + 64 {
+            self.sort();
+        }
+    }
+
+    fn sort(&mut self) {
+        self.members.sort_unstable();
+        self.members.dedup();
+        self.sorted = self.members.len();
+    }
+}
+
+impl Sets {
+    /// The members of a set.
+    pub fn get(&self, name: &str) -> Option<&[u32]> {
+        self.0
+            .get(&name.to_uppercase())
+            .map(|set| set.members.as_slice())
+    }
+
+    /// The set that `name` is probably a misspelling of.
+    pub fn nearest(&self, name: &str) -> Option<String> {
+        nearest(name, self.0.values().map(|set| set.spelling.as_str())).map(str::to_owned)
+    }
+
+    /// The sets under their own names, their members renumbered in the same order, or left out.
+    pub fn named(self, keep: impl Fn(usize) -> Option<usize>) -> BTreeMap<String, Vec<usize>> {
+        let renumbered = |members: Vec<u32>| {
+            members
+                .into_iter()
+                .filter_map(|index| keep(index as usize))
+                .collect()
+        };
+        self.0
+            .into_values()
+            .map(|set| (set.spelling, renumbered(set.members)))
+            .collect()
+    }
+}
+
+/// Resolves the sets of one file.
+pub struct Resolver<'a> {
+    file: &'a Path,
+    /// Members added so far, and labels looked through for them.
+    members: usize,
+    /// What was passed over so far.
+    pub warnings: Vec<Warning>,
+}
+
+/// What a set is made of: nodes or elements.
+pub struct Kind<'a> {
+    pub name: &'static str,
+    pub labels: &'a Labels,
+}
+
+impl<'a> Resolver<'a> {
+    pub fn new(file: &'a Path, warnings: Vec<Warning>) -> Self {
+        Resolver {
+            file,
+            members: 0,
+            warnings,
+        }
+    }
+
+    fn spot(&self, line: usize) -> Spot {
+        Spot {
+            file: self.file.to_path_buf(),
+            line,
+        }
+    }
+
+    /// Members of each set as ascending indices without duplicates.
+    pub fn resolve(&mut self, pieces: &[RawSet], kind: &Kind<'_>) -> Result<Sets> {
+        let mut sets = Sets(HashMap::new());
+        for RawSet { name, members } in pieces {
+            let added = self.piece(members, kind, name, &sets)?;
+            let entry = sets.0.entry(name.to_uppercase());
+            let new = || Set {
+                spelling: name.clone(),
+                members: Vec::new(),
+                sorted: 0,
+            };
+            entry.or_insert_with(new).extend(&added);
+        }
+        sets.0.values_mut().for_each(Set::sort);
+        Ok(sets)
+    }
+
+    /// Members that one piece adds to the set `name`.
+    fn piece(
+        &mut self,
+        members: &Members,
+        kind: &Kind<'_>,
+        name: &str,
+        sets: &Sets,
+    ) -> Result<Vec<u32>> {
+        let (added, line) = match members {
+            Members::Section { first, end, line } => {
+                ((*first as u32..*end as u32).collect(), *line)
+            }
+            Members::Labels(list) => {
+                let last_line = list.last().map_or(0, |(_, line)| *line as usize);
+                (self.listed(list, kind, name)?, last_line)
+            }
+            Members::Range {
+                first,
+                last,
+                step,
+                line,
+            } => (
+                self.range([*first, *last, *step], *line, kind, name)?,
+                *line,
+            ),
+            Members::Set { name: other, line } => {
+                let added = sets.get(other).ok_or_else(|| MeshError::UnknownName {
+                    spot: self.spot(*line),
+                    kind: if kind.name == "node" {
+                        "node set above"
+                    } else {
+                        "element set above"
+                    },
+                    name: other.clone(),
+                    nearest: sets.nearest(other),
+                })?;
+                (added.to_vec(), *line)
+            }
+        };
+        self.members += added.len();
+        if self.members > MOST_MEMBERS {
+            return Err(MeshError::TooManyMembers {
+                spot: self.spot(line),
+                limit: MOST_MEMBERS,
+            });
+        }
+        Ok(added)
+    }
+
+    fn listed(&self, list: &[(u64, u32)], kind: &Kind<'_>, name: &str) -> Result<Vec<u32>> {
+        let mut added = Vec::with_capacity(list.len());
+        for &(label, line) in list {
+            let index = kind
+                .labels
+                .find(label)
+                .ok_or_else(|| MeshError::MissingLabel {
+                    spot: self.spot(line as usize),
+                    by: format!("the {} set {name:?}", kind.name),
+                    kind: kind.name,
+                    label,
+                })?;
+            added.push(index as u32);
+        }
+        Ok(added)
+    }
+
+    /// The existing labels of `first, first + step, ..., last`; those that do not exist are counted in a
+    /// warning, as numbers with gaps are usual. Never more work than the mesh has labels.
+    fn range(
+        &mut self,
+        [first, last, step]: [u64; 3],
+        line: usize,
+        kind: &Kind<'_>,
+        name: &str,
+    ) -> Result<Vec<u32>> {
+        let count = (last - first) / step + 1;
+        let added: Vec<u32> = if count <= kind.labels.len() as u64 {
+            (0..count)
+                .filter_map(|i| kind.labels.find(first + i * step))
+                .map(|index| index as u32)
+                .collect()
+        } else {
+            self.members += kind.labels.len();
+            let inside =
+                |label: u64| label >= first && label <= last && (label - first) % step == 0;
+            kind.labels
+                .iter()
+                .filter(|(label, _)| inside(*label))
+                .map(|(_, index)| index as u32)
+                .collect()
+        };
+        if added.is_empty() {
+            let by = format!("the {} set {name:?}", kind.name);
+            return Err(MeshError::MissingLabel {
+                spot: self.spot(line),
+                by,
+                kind: kind.name,
+                label: first,
+            });
+        }
+        let missing = count - added.len() as u64;
+        if missing > 0 {
+            let text = format!(
+                "GENERATE of the {} set {name:?}: {missing} of {count} labels do not exist and are passed over",
+                kind.name
+            );
+            self.warnings.push(Warning { line, text });
+        }
+        Ok(added)
+    }
+}
