@@ -197,8 +197,9 @@ impl<'a> Resolver<'a> {
                 .collect()
         } else {
             self.members += kind.labels.len();
-            let inside =
-                |label: u64| label >= first && label <= last && (label - first) % step == 0;
+            let inside = |label: u64| {
+                (first..=last).contains(&label) && (label - first).is_multiple_of(step)
+            };
             kind.labels
                 .iter()
                 .filter(|(label, _)| inside(*label))
