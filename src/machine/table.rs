@@ -189,7 +189,11 @@ impl<'a> Item<'a> {
             _ => return Ok(value),
         };
         Err(self.refuse(
-            format!("{} as {}", allowed, dimension.name()),
+            format!(
+                "{allowed} ({} in {})",
+                dimension.name(),
+                dimension.units().join(", ")
+            ),
             "correct the value",
         ))
     }
