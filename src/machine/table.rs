@@ -126,7 +126,7 @@ impl<'a> Item<'a> {
     /// A whole number of at least one.
     pub fn count(&self) -> Result<usize> {
         match self.number().map(|n| n.parse::<f64>()) {
-            Some(Ok(n)) if n >= 1.0 && n <= 1e9 && n.fract() == 0.0 => Ok(n as usize),
+            Some(Ok(n)) if (1.0..=1e9).contains(&n) && n.fract() == 0.0 => Ok(n as usize),
             _ => Err(self.refuse(
                 "a whole number of at least 1",
                 "write it without quotes or unit",
@@ -189,7 +189,11 @@ impl<'a> Item<'a> {
             _ => return Ok(value),
         };
         Err(self.refuse(
-            format!("{} as {}", allowed, dimension.name()),
+            format!(
+                "{allowed} ({} in {})",
+                dimension.name(),
+                dimension.units().join(", ")
+            ),
             "correct the value",
         ))
     }

@@ -83,6 +83,16 @@ pub enum MeshError {
         /// What is allowed.
         allowed: String,
     },
+    /// A data line that belongs to no keyword.
+    #[error(
+        "{spot}: found {seen:?} where a keyword is expected; allowed: a line that begins with *; remove the line or add its keyword"
+    )]
+    StrayData {
+        /// Where.
+        spot: Spot,
+        /// The text seen, shortened.
+        seen: String,
+    },
     /// A section or the file ends too early.
     #[error("{spot}: {what} ends too early: {detail}; the file may be cut off, write it again")]
     Truncated {

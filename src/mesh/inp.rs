@@ -11,9 +11,11 @@ mod assemble;
 mod keywords;
 mod labels;
 mod lines;
+mod properties;
 mod raw;
 mod sections;
 mod sets;
+mod topology;
 
 use super::{Mesh, MeshError, MeshFile, Spot, Warning};
 use crate::machine::MeshUnits;

@@ -159,17 +159,21 @@ pub fn bad_value<T>(
     seen: &str,
     allowed: impl Into<String>,
 ) -> Result<T> {
-    const LONGEST: usize = 60;
-    let shown: String = seen.chars().take(LONGEST).collect();
-    let seen = if shown.len() < seen.len() {
-        format!("{shown}...")
-    } else {
-        shown
-    };
     Err(MeshError::Value {
         spot,
         keyword,
-        seen,
+        seen: shortened(seen),
         allowed: allowed.into(),
     })
+}
+
+/// A text for a message.
+pub fn shortened(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let shown: String = text.chars().take(LONGEST).collect();
+    if shown.len() < text.len() {
+        format!("{shown}...")
+    } else {
+        shown
+    }
 }

@@ -9,8 +9,10 @@ use std::path::Path;
 
 type Result<T> = std::result::Result<T, MeshError>;
 
-/// Most members of all sets together, before duplicates are removed; bounds time and memory.
-const MOST_MEMBERS: usize = 50_000_000;
+/// Most members of all sets together, before duplicates are removed: this many, or this many times the
+/// labels if that is more. Bounds time and memory.
+const MOST_MEMBERS: usize = 1_000_000;
+const MOST_MEMBERS_PER_LABEL: usize = 200;
 
 /// Sets by their name in upper case.
 pub struct Sets(HashMap<String, Set>);
@@ -154,10 +156,11 @@ impl<'a> Resolver<'a> {
             }
         };
         self.members += added.len();
-        if self.members > MOST_MEMBERS {
+        let limit = MOST_MEMBERS.max(MOST_MEMBERS_PER_LABEL * kind.labels.len());
+        if self.members > limit {
             return Err(MeshError::TooManyMembers {
                 spot: self.spot(line),
-                limit: MOST_MEMBERS,
+                limit,
             });
         }
         Ok(added)
@@ -197,8 +200,9 @@ impl<'a> Resolver<'a> {
                 .collect()
         } else {
             self.members += kind.labels.len();
-            let inside =
-                |label: u64| label >= first && label <= last && (label - first) % step == 0;
+            let inside = |label: u64| {
+                (first..=last).contains(&label) && (label - first).is_multiple_of(step)
+            };
             kind.labels
                 .iter()
                 .filter(|(label, _)| inside(*label))

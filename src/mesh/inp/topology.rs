@@ -1,0 +1,240 @@
+//! Sections of nodes, elements and sets.
+
+use super::lines::{Keyword, Lines, bad_value, fields, label, number};
+use super::raw::{Members, Raw, RawCell, RawNode, RawSet};
+use super::sections::{check_parameters, need};
+use crate::mesh::{CellKind, MeshError};
+
+type Result<T> = std::result::Result<T, MeshError>;
+
+pub fn read_nodes(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
+    check_parameters(keyword, "NODE", &["NSET"], "NSET", lines)?;
+    let first = raw.nodes.len();
+    while let Some((line, data)) = lines.next_data() {
+        let mut values = fields(data);
+        let label = values.next().and_then(label);
+        let mut next = || values.next().and_then(number);
+        let node = (label, next(), next(), next());
+        let (Some(label), Some(x), Some(y), Some(z)) = node else {
+            return bad_value(
+                lines.spot(line),
+                "NODE",
+                data,
+                "a label and three finite coordinates",
+            );
+        };
+        if values.next().is_some() {
+            return bad_value(
+                lines.spot(line),
+                "NODE",
+                data,
+                "a label and three coordinates, no more",
+            );
+        }
+        raw.nodes.push(RawNode {
+            label,
+            at: [x, y, z],
+            line: line as u32,
+        });
+    }
+    add_section_set(keyword, "NSET", first, raw.nodes.len(), &mut raw.node_sets);
+    Ok(())
+}
+
+pub fn read_elements(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
+    const ALLOWED: &str = "TYPE=C3D10, ELSET";
+    check_parameters(keyword, "ELEMENT", &["TYPE", "ELSET"], ALLOWED, lines)?;
+    let kind = match need(keyword, "ELEMENT", "TYPE", ALLOWED, lines)? {
+        name if name.eq_ignore_ascii_case("C3D10") => CellKind::Tet10,
+        name => {
+            return Err(MeshError::Parameter {
+                spot: lines.spot(keyword.line),
+                keyword: "ELEMENT",
+                seen: format!("the element type {name:?} is not supported"),
+                allowed: "TYPE=C3D10, the ten-node tetrahedron",
+                advice: "mesh with it, and export volume elements alone",
+            });
+        }
+    };
+    let first = raw.cells.len();
+    while let Some((line, data)) = lines.next_data() {
+        read_element(kind, line, data, lines, raw)?;
+    }
+    add_section_set(
+        keyword,
+        "ELSET",
+        first,
+        raw.cells.len(),
+        &mut raw.element_sets,
+    );
+    Ok(())
+}
+
+/// One element, which may take several lines.
+fn read_element(
+    kind: CellKind,
+    first_line: usize,
+    first_data: &str,
+    lines: &mut Lines<'_>,
+    raw: &mut Raw,
+) -> Result<()> {
+    let mut cell = None;
+    let mut missing = kind.node_count();
+    let (mut line, mut data) = (first_line, first_data);
+    loop {
+        for field in fields(data) {
+            let Some(value) = label(field) else {
+                return bad_value(
+                    lines.spot(line),
+                    "ELEMENT",
+                    field,
+                    "labels, whole numbers from 1 on",
+                );
+            };
+            if cell.is_none() {
+                cell = Some(value);
+            } else if missing > 0 {
+                raw.cell_nodes.push(value);
+                missing -= 1;
+            } else {
+                let allowed = format!(
+                    "an element label and {} node labels, no more",
+                    kind.node_count()
+                );
+                return bad_value(lines.spot(line), "ELEMENT", data, allowed);
+            }
+        }
+        if missing == 0 {
+            break;
+        }
+        (line, data) = lines.next_data().ok_or_else(|| MeshError::Truncated {
+            spot: lines.spot(line),
+            what: "*ELEMENT",
+            detail: format!(
+                "its last element lacks {missing} of {} nodes",
+                kind.node_count()
+            ),
+        })?;
+    }
+    let nodes = &raw.cell_nodes[raw.cell_nodes.len() - kind.node_count()..];
+    if let Some(node) = nodes
+        .iter()
+        .enumerate()
+        .find_map(|(i, node)| nodes[..i].contains(node).then_some(node))
+    {
+        let allowed = format!(
+            "{} different nodes, not node {node} twice",
+            kind.node_count()
+        );
+        return bad_value(lines.spot(line), "ELEMENT", first_data, allowed);
+    }
+    if let Some(label) = cell {
+        raw.cells.push(RawCell {
+            kind,
+            label,
+            line: first_line as u32,
+        });
+    }
+    Ok(())
+}
+
+/// Adds the nodes or elements of a section to the set that its keyword names.
+fn add_section_set(
+    keyword: &Keyword<'_>,
+    parameter: &str,
+    first: usize,
+    end: usize,
+    sets: &mut Vec<RawSet>,
+) {
+    if let Some(name) = keyword.get(parameter).filter(|name| !name.is_empty()) {
+        let members = Members::Section {
+            first,
+            end,
+            line: keyword.line,
+        };
+        sets.push(RawSet {
+            name: name.to_owned(),
+            members,
+        });
+    }
+}
+
+pub fn read_set(
+    keyword: &Keyword<'_>,
+    kind: &'static str,
+    lines: &mut Lines<'_>,
+    sets: &mut Vec<RawSet>,
+) -> Result<()> {
+    let allowed = if kind == "NSET" {
+        "NSET, GENERATE"
+    } else {
+        "ELSET, GENERATE"
+    };
+    check_parameters(
+        keyword,
+        kind,
+        &[kind, "GENERATE", "INTERNAL", "UNSORTED"],
+        allowed,
+        lines,
+    )?;
+    let name = need(keyword, kind, kind, allowed, lines)?;
+    let mut push = |members| {
+        sets.push(RawSet {
+            name: name.to_owned(),
+            members,
+        })
+    };
+    let mut labels = Vec::new();
+    while let Some((line, data)) = lines.next_data() {
+        if keyword.get("GENERATE").is_some() {
+            push(read_range(kind, line, data, lines)?);
+            continue;
+        }
+        for field in fields(data) {
+            match label(field) {
+                Some(label) => labels.push((label, line as u32)),
+                None if field.starts_with(|c: char| c.is_alphabetic() || c == '_') => {
+                    push(Members::Set {
+                        name: field.to_owned(),
+                        line,
+                    });
+                }
+                None => {
+                    return bad_value(
+                        lines.spot(line),
+                        kind,
+                        field,
+                        "labels from 1 on, or names of sets",
+                    );
+                }
+            }
+        }
+    }
+    push(Members::Labels(labels));
+    Ok(())
+}
+
+/// A data line of GENERATE: first, last and, unless it is 1, the step.
+fn read_range(kind: &'static str, line: usize, data: &str, lines: &Lines<'_>) -> Result<Members> {
+    let values: Option<Vec<u64>> = fields(data).take(4).map(label).collect();
+    match values.as_deref() {
+        Some(&[first, last]) if first <= last => Ok(Members::Range {
+            first,
+            last,
+            step: 1,
+            line,
+        }),
+        Some(&[first, last, step]) if first <= last => Ok(Members::Range {
+            first,
+            last,
+            step,
+            line,
+        }),
+        _ => bad_value(
+            lines.spot(line),
+            kind,
+            data,
+            "GENERATE: first label, last label (not smaller), step (at least 1)",
+        ),
+    }
+}
