@@ -1,5 +1,6 @@
 //! stiffmap: the dynamic stiffness of a machine tool over its whole work volume.
 
+pub mod interrupt;
 pub mod machine;
 pub mod mesh;
 pub mod element;

@@ -29,6 +29,9 @@ impl BasisOptions {
     }
 }
 
+/// Designs may stiffen a joint up to this factor without a new basis.
+const STIFFEST: f64 = 4.0;
+
 /// Training positions lie at most this share of the shortest footprint apart.
 const SPACING: f64 = 0.28;
 
@@ -43,7 +46,10 @@ pub(super) fn fixed_basis(machine: &SideBySide, options: BasisOptions) -> Result
     let omega_squared = edge / 9.0;
 
     let mut columns: Vec<DVector<f64>> = Vec::new();
-    let mut push = |row: Vec<f64>, unit: f64| {
+    // A spring in series with the flexibility c = b^T Lambda^-1 b of what is cut: its share c / (c + 1/k)
+    // says how much the cut matters, at the stiffest k that a design may have.
+    let mut push = |row: Vec<f64>, flexibility: f64| {
+        let unit = (row.iter().zip(&lambda).map(|(b, l)| b * b / l).sum::<f64>() + flexibility).sqrt();
         if unit > 0.0 {
             let first = DVector::from_iterator(row.len(), row.iter().zip(&lambda).map(|(b, l)| b / (unit * l.sqrt())));
             let second = DVector::from_iterator(row.len(), first.iter().zip(&lambda).map(|(v, l)| v * omega_squared / l));
@@ -51,23 +57,22 @@ pub(super) fn fixed_basis(machine: &SideBySide, options: BasisOptions) -> Result
             columns.push(second);
         }
     };
-    let energy = |row: &[f64]| row.iter().zip(&lambda).map(|(b, l)| b * b / l).sum::<f64>().sqrt();
     let select = |rows: &DMatrix<f64>, s: usize| -> Vec<f64> { high.iter().map(|&i| rows[(s, i)]).collect() };
     for port in machine.outputs.iter().chain(&machine.inputs) {
-        let row: Vec<f64> = high.iter().map(|&i| port.row[i]).collect();
-        let unit = energy(&row);
-        push(row, unit);
+        push(high.iter().map(|&i| port.row[i]).collect(), 0.0);
     }
     let positions = training_positions(machine);
     let rows = positions.iter().map(|&p| machine.rows(p)).collect::<Result<Vec<_>, _>>()?;
+    let stiffness = positions.iter().map(|&p| machine.stiffness(p)).collect::<Result<Vec<_>, _>>()?;
     for s in 0..rows[0].nrows() {
+        let stiffest = STIFFEST * stiffness.iter().map(|k| k[s]).fold(0.0, f64::max);
+        let flexibility = if stiffest > 0.0 { 1.0 / stiffest } else { 0.0 };
         let mut previous: Option<Vec<f64>> = None;
         for rows in &rows {
             let row = select(rows, s);
             // A spring whose row does not change with the position is trained once.
-            if previous.as_ref().is_none_or(|p| p != &row) {
-                let unit = energy(&row);
-                push(row.clone(), unit);
+            if previous.as_ref() != Some(&row) {
+                push(row.clone(), flexibility);
                 previous = Some(row);
             }
         }

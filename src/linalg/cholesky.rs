@@ -1,5 +1,6 @@
 //! Sparse Cholesky factor and inertia (faer's supernodal kernels on a METIS order).
 
+use super::dense::inner_parallelism;
 use super::{LinalgError, Ordering, SparseSymmetric};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -8,7 +9,7 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side, Spec};
+use faer::{Conj, MatMut, Side, Spec};
 use nalgebra::DMatrix;
 
 /// Sparse Cholesky factor of a symmetric positive definite matrix.
@@ -27,7 +28,7 @@ impl Cholesky {
         let n = a.n();
         let symbolic = analyse(a, ordering)?;
         let mut values = vec![0.0; symbolic.len_val()];
-        let par = Par::rayon(0);
+        let par = inner_parallelism();
         let mut memory = workspace(n, symbolic.factorize_numeric_llt_scratch::<f64>(par, Spec::default()))?;
         symbolic
             .factorize_numeric_llt(
@@ -51,7 +52,7 @@ impl Cholesky {
         let (n, columns) = b.shape();
         assert_eq!(n, self.symbolic.nrows(), "rows of the block against the order of the factor");
         let mut x = b.clone();
-        let par = Par::rayon(0);
+        let par = inner_parallelism();
         let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, par));
         let rhs = MatMut::from_column_major_slice_mut(x.as_mut_slice(), n, columns);
         LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, rhs, par, MemStack::new(&mut memory));
@@ -86,7 +87,7 @@ impl Indefinite {
         let mut values = vec![0.0; symbolic.len_val()];
         let mut subdiagonal = vec![0.0; n];
         let (mut forward, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
-        let par = Par::rayon(0);
+        let par = inner_parallelism();
         let mut memory = workspace(n, symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(par, Spec::default()))?;
         symbolic.factorize_numeric_intranode_lblt(
             &mut values,
@@ -113,7 +114,7 @@ impl Indefinite {
         let (n, columns) = b.shape();
         assert_eq!(n, self.symbolic.nrows(), "rows of the block against the order of the factor");
         let mut x = b.clone();
-        let par = Par::rayon(0);
+        let par = inner_parallelism();
         let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, par));
         let rhs = MatMut::from_column_major_slice_mut(x.as_mut_slice(), n, columns);
         let perm = PermRef::new_checked(&self.forward, &self.inverse, n);

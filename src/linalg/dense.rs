@@ -17,40 +17,95 @@ pub struct SymmetricEigen {
     pub vectors: DMatrix<f64>,
 }
 
-/// Eigenvalues and eigenvectors of a symmetric matrix, of which the lower triangle is read; all threads.
+/// Eigenvalues and eigenvectors of a symmetric matrix, accurate for graded ones.
+///
+/// Householder tridiagonalisation and implicit QR (nalgebra) on the matrix ordered by ascending
+/// diagonal. Superelements reach from 1e4 to 1e12 (rad/s)^2; measured on one of order 760 this keeps
+/// an eigenvalue of 6.5e4 to 1e-11, where faer's divide and conquer, three times as fast, keeps 1e-4.
 ///
 /// # Errors
 /// [`LinalgError::Eigen`] if the iteration does not converge or an entry is not finite.
 pub fn symmetric_eigen(a: &DMatrix<f64>) -> Result<SymmetricEigen, LinalgError> {
-    eigen(a, Par::rayon(0))
+    let n = square(a)?;
+    if n == 0 {
+        return Ok(SymmetricEigen { values: DVector::zeros(0), vectors: DMatrix::zeros(0, 0) });
+    }
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| a[(i, i)].total_cmp(&a[(j, j)]));
+    let ordered = DMatrix::from_fn(n, n, |i, j| a[(order[i], order[j])]);
+    let eigen = nalgebra::SymmetricEigen::try_new(ordered, f64::EPSILON, 60 * n).ok_or(LinalgError::Eigen { n })?;
+    let mut rank: Vec<usize> = (0..n).collect();
+    rank.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+    let mut place = vec![0; n];
+    for (at, &i) in order.iter().enumerate() {
+        place[i] = at;
+    }
+    Ok(SymmetricEigen {
+        values: DVector::from_fn(n, |k, _| eigen.eigenvalues[rank[k]]),
+        vectors: DMatrix::from_fn(n, n, |i, k| eigen.eigenvectors[(place[i], rank[k])]),
+    })
 }
 
-/// The same on the calling thread alone, for loops that are parallel already.
+/// The same for loops over positions: faer's divide and conquer on the calling thread, after which
+/// the `polished` lowest pairs are made accurate by one step of inverse iteration with a
+/// Rayleigh-Ritz projection. The other pairs keep an absolute error of some 1e-12 of the largest
+/// eigenvalue.
 ///
 /// # Errors
-/// As [`symmetric_eigen`].
-pub fn symmetric_eigen_sequential(a: &DMatrix<f64>) -> Result<SymmetricEigen, LinalgError> {
-    eigen(a, Par::Seq)
-}
-
-fn eigen(a: &DMatrix<f64>, par: Par) -> Result<SymmetricEigen, LinalgError> {
-    let n = a.nrows();
-    assert_eq!(n, a.ncols(), "a symmetric matrix is square");
-    if a.iter().any(|v| !v.is_finite()) {
-        return Err(LinalgError::Eigen { n });
-    }
+/// [`LinalgError::Eigen`] as for [`symmetric_eigen`], or if an eigenvalue is clearly negative.
+pub fn symmetric_eigen_polished(a: &DMatrix<f64>, polished: usize) -> Result<SymmetricEigen, LinalgError> {
+    let n = square(a)?;
+    let failed = || LinalgError::Eigen { n };
     let (mut values, mut vectors) = (DVector::zeros(n), DMatrix::zeros(n, n));
-    let mut memory = MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Spec::default()));
+    let mut memory = MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default()));
     self_adjoint_evd(
         view(a),
         DiagMut::from_slice_mut(values.as_mut_slice()),
         Some(MatMut::from_column_major_slice_mut(vectors.as_mut_slice(), n, n)),
-        par,
+        Par::Seq,
         MemStack::new(&mut memory),
         Spec::default(),
     )
-    .map_err(|_| LinalgError::Eigen { n })?;
+    .map_err(|_| failed())?;
+    let low = polished.min(n);
+    if low == 0 {
+        return Ok(SymmetricEigen { values, vectors });
+    }
+    // A shift below zero keeps free motions (eigenvalue 0) in reach of the factor.
+    let shift = SHIFT * values.amax();
+    let mut shifted = a.clone();
+    for i in 0..n {
+        shifted[(i, i)] += shift;
+    }
+    let factor = shifted.cholesky().ok_or_else(failed)?;
+    let mut y = factor.solve(&vectors.columns(0, low).into_owned());
+    for mut column in y.column_iter_mut() {
+        column.normalize_mut();
+    }
+    // Orthonormal to working precision in two rounds of Cholesky QR; the columns are nearly so already.
+    for _ in 0..2 {
+        let root = multiply_transposed(&y, &y).cholesky().ok_or_else(failed)?.l();
+        let mut transposed = y.transpose();
+        if !root.solve_lower_triangular_mut(&mut transposed) {
+            return Err(failed());
+        }
+        y = transposed.transpose();
+    }
+    let projected = multiply_transposed(&y, &multiply(a, &y));
+    let small = symmetric_eigen(&(0.5 * (&projected + projected.transpose())))?;
+    vectors.columns_mut(0, low).copy_from(&multiply(&y, &small.vectors));
+    values.rows_mut(0, low).copy_from(&small.values);
     Ok(SymmetricEigen { values, vectors })
+}
+
+/// Shift of the polishing step, as a share of the largest eigenvalue: some (2 pi 10 Hz)^2 below a
+/// basis that ends at 100 kHz.
+const SHIFT: f64 = 1e-8;
+
+fn square(a: &DMatrix<f64>) -> Result<usize, LinalgError> {
+    let n = a.nrows();
+    assert_eq!(n, a.ncols(), "a symmetric matrix is square");
+    if a.iter().all(|v| v.is_finite()) { Ok(n) } else { Err(LinalgError::Eigen { n }) }
 }
 
 /// A B.
@@ -69,8 +124,57 @@ fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> DMatrix<f64> {
     let mut c = DMatrix::zeros(a.nrows(), b.ncols());
     let (rows, columns) = c.shape();
     let out = MatMut::from_column_major_slice_mut(c.as_mut_slice(), rows, columns);
-    matmul(out, Accum::Replace, a, b, 1.0, Par::rayon(0));
+    matmul(out, Accum::Replace, a, b, 1.0, inner_parallelism());
     c
+}
+
+/// Threads inside one factor, solve or product: parts are reduced side by side, which keeps few
+/// cores busy without the cost of splitting small kernels.
+pub(super) fn inner_parallelism() -> Par {
+    if rayon::current_num_threads() <= 4 { Par::Seq } else { Par::rayon(0) }
+}
+
+/// A growing set of vectors, stored side by side.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    rows: usize,
+    values: Vec<f64>,
+}
+
+impl Columns {
+    pub fn new(rows: usize) -> Self {
+        Self { rows, values: Vec::new() }
+    }
+
+    pub fn count(&self) -> usize {
+        self.values.len() / self.rows.max(1)
+    }
+
+    pub fn push(&mut self, block: &DMatrix<f64>) {
+        assert_eq!(block.nrows(), self.rows, "rows of the block");
+        self.values.extend_from_slice(block.as_slice());
+    }
+
+    fn view(&self, count: usize) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.values[..self.rows * count], self.rows, count)
+    }
+
+    /// V^T x.
+    pub fn transposed_times(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        product(self.view(self.count()).transpose(), view(x))
+    }
+
+    /// V c, with as many of the first vectors as c has rows.
+    pub fn times(&self, c: &DMatrix<f64>) -> DMatrix<f64> {
+        product(self.view(c.nrows()), view(c))
+    }
+
+    /// x - V c.
+    pub fn subtract_from(&self, x: &mut DMatrix<f64>, c: &DMatrix<f64>) {
+        let (rows, columns) = x.shape();
+        let out = MatMut::from_column_major_slice_mut(x.as_mut_slice(), rows, columns);
+        matmul(out, Accum::Add, self.view(c.nrows()), view(c), -1.0, inner_parallelism());
+    }
 }
 
 fn view(a: &DMatrix<f64>) -> MatRef<'_, f64> {
@@ -82,7 +186,7 @@ fn view(a: &DMatrix<f64>) -> MatRef<'_, f64> {
 /// # Errors
 /// [`LinalgError::Eigen`] as for [`symmetric_eigen`].
 pub fn count_negative(a: &DMatrix<f64>) -> Result<usize, LinalgError> {
-    Ok(symmetric_eigen_sequential(a)?.values.iter().filter(|v| **v < 0.0).count())
+    Ok(symmetric_eigen(a)?.values.iter().filter(|v| **v < 0.0).count())
 }
 
 /// Combinations T that make the columns of V orthonormal, from their Gram matrix G = V^T V (in any

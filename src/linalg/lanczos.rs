@@ -10,18 +10,22 @@
 //! # Source
 //! R. G. Grimes, J. G. Lewis, H. D. Simon, A shifted block Lanczos algorithm, SIAM J. Matrix Anal. 15 (1994).
 
+use super::dense::Columns;
 use super::{LinalgError, SparseSymmetric, independent_directions, multiply, multiply_transposed, symmetric_eigen};
+use crate::interrupt::Interrupt;
 use nalgebra::DMatrix;
 
 /// What to find and how well.
 #[derive(Clone, Copy, Debug)]
-pub struct LanczosOptions {
+pub struct LanczosOptions<'a> {
     /// Modes to find.
     pub modes: usize,
     /// Vectors a step; at least the largest multiplicity expected.
     pub block: usize,
     /// Largest |K^-1 M x - x / omega^2| omega^2 in the mass norm.
     pub tolerance: f64,
+    /// Asked at every step whether to stop.
+    pub interrupt: Option<&'a Interrupt>,
 }
 
 /// The lowest modes.
@@ -37,23 +41,26 @@ pub struct Spectrum {
 
 /// The lowest modes, as many as asked for or as there are.
 ///
-/// `inverse` maps an n x b block X to K^-1 M X.
+/// `inverse` maps an n x b block of loads M X to K^-1 M X.
 ///
 /// # Errors
 /// [`LinalgError::NotConverged`] when the subspace has grown past 6 times the modes plus 20 blocks.
 pub fn lowest_modes(
     mass: &SparseSymmetric,
     inverse: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
-    options: LanczosOptions,
+    options: LanczosOptions<'_>,
 ) -> Result<Spectrum, LinalgError> {
-    let LanczosOptions { modes, block, tolerance } = options;
+    let LanczosOptions { modes, block, tolerance, interrupt } = options;
     assert!(modes > 0 && block > 0, "at least one mode and one vector a step");
     let largest_dimension = 6 * modes + 20 * block;
-    let mut krylov = Krylov::default();
+    let mut krylov = Krylov::new(mass.n());
     // One application moves the start into the operator's range.
-    krylov.append(inverse(&pseudo_random(mass.n(), block)), mass)?;
+    krylov.append(inverse(&mass.multiply(&pseudo_random(mass.n(), block))), mass)?;
     let mut worst = f64::INFINITY;
     loop {
+        if interrupt.is_some_and(Interrupt::requested) {
+            return Err(LinalgError::Interrupted);
+        }
         let exhausted = !krylov.advance(mass, inverse)?;
         let dimension = krylov.dimension();
         let wanted = modes.min(dimension);
@@ -80,17 +87,27 @@ pub fn lowest_modes(
 }
 
 /// The growing basis, orthonormal in the mass inner product, and the operator projected onto it.
-#[derive(Default)]
 struct Krylov {
-    basis: Vec<DMatrix<f64>>,
-    mass_basis: Vec<DMatrix<f64>>,
+    basis: Columns,
+    mass_basis: Columns,
     projected: DMatrix<f64>,
-    /// Part of the operator's last image that lies outside the basis, as its mass-norm factor.
+    /// Gram matrix of the part of the operator's last image that lies outside the basis.
     remainder: DMatrix<f64>,
+    /// M times the newest block, to which the operator has not been applied yet.
     pending: Option<DMatrix<f64>>,
 }
 
 impl Krylov {
+    fn new(n: usize) -> Self {
+        Self {
+            basis: Columns::new(n),
+            mass_basis: Columns::new(n),
+            projected: DMatrix::zeros(0, 0),
+            remainder: DMatrix::zeros(0, 0),
+            pending: None,
+        }
+    }
+
     /// Vectors for which the operator has been applied.
     fn dimension(&self) -> usize {
         self.projected.nrows()
@@ -98,54 +115,46 @@ impl Krylov {
 
     /// Makes a block orthonormal against the basis and itself and appends it; false if nothing is left of it.
     fn append(&mut self, block: DMatrix<f64>, mass: &SparseSymmetric) -> Result<bool, LinalgError> {
+        let mut mass_block = mass.multiply(&block);
         let mut block = block;
         for _ in 0..2 {
-            for (v, mv) in self.basis.iter().zip(&self.mass_basis) {
-                block -= multiply(v, &multiply_transposed(mv, &block));
+            if self.basis.count() > 0 {
+                let part = self.mass_basis.transposed_times(&block);
+                self.basis.subtract_from(&mut block, &part);
+                self.mass_basis.subtract_from(&mut mass_block, &part);
             }
-            let mass_block = mass.multiply(&block);
             let combine = independent_directions(&multiply_transposed(&block, &mass_block), 1e-12)?;
             block = multiply(&block, &combine);
+            mass_block = multiply(&mass_block, &combine);
             if block.ncols() == 0 {
                 return Ok(false);
             }
         }
-        self.mass_basis.push(mass.multiply(&block));
-        self.basis.push(block.clone());
-        self.pending = Some(block);
+        self.basis.push(&block);
+        self.mass_basis.push(&mass_block);
+        self.pending = Some(mass_block);
         Ok(true)
     }
 
     /// Applies the operator to the newest block, extends the projection, appends what is new;
     /// false when the space is exhausted.
-    fn advance(
-        &mut self,
-        mass: &SparseSymmetric,
-        inverse: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
-    ) -> Result<bool, LinalgError> {
-        let Some(newest) = self.pending.take() else { return Ok(false) };
-        let mut image = inverse(&newest);
-        let scale = largest_norm(&image, mass);
-        let (old, added) = (self.dimension(), newest.ncols());
+    fn advance(&mut self, mass: &SparseSymmetric, inverse: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>) -> Result<bool, LinalgError> {
+        let Some(load) = self.pending.take() else { return Ok(false) };
+        let mut image = inverse(&load);
+        let (old, added) = (self.dimension(), load.ncols());
         let mut column = DMatrix::zeros(old + added, added);
         for _ in 0..2 {
-            let mut at = 0;
-            for (v, mv) in self.basis.iter().zip(&self.mass_basis) {
-                let part = multiply_transposed(mv, &image);
-                image -= multiply(v, &part);
-                let mut rows = column.rows_mut(at, v.ncols());
-                rows += part;
-                at += v.ncols();
-            }
+            let part = self.mass_basis.transposed_times(&image);
+            self.basis.subtract_from(&mut image, &part);
+            column += part;
         }
         let mut grown = DMatrix::zeros(old + added, old + added);
         grown.view_mut((0, 0), (old, old)).copy_from(&self.projected);
         grown.view_mut((0, old), (old + added, added)).copy_from(&column);
         grown.view_mut((old, 0), (added, old + added)).copy_from(&column.transpose());
         self.projected = grown;
-        let gram = multiply_transposed(&image, &mass.multiply(&image));
-        self.remainder = gram;
-        if largest_norm(&image, mass) <= 1e-13 * scale {
+        self.remainder = multiply_transposed(&image, &mass.multiply(&image));
+        if self.remainder.trace().max(0.0).sqrt() <= 1e-13 * column.norm() {
             return Ok(false);
         }
         self.append(image, mass)
@@ -174,16 +183,8 @@ impl Krylov {
         inverse: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
         mass: &SparseSymmetric,
     ) -> (DMatrix<f64>, DMatrix<f64>) {
-        let mut x = DMatrix::zeros(mass.n(), vectors.ncols());
-        let mut at = 0;
-        for v in &self.basis {
-            if at + v.ncols() > vectors.nrows() {
-                break;
-            }
-            x += multiply(v, &vectors.rows(at, v.ncols()).into_owned());
-            at += v.ncols();
-        }
-        let y = inverse(&x);
+        let x = self.basis.times(vectors);
+        let y = inverse(&mass.multiply(&x));
         (x, y)
     }
 }

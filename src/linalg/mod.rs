@@ -12,7 +12,7 @@ mod sparse;
 pub use cholesky::{Cholesky, Indefinite};
 pub use dense::{
     SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal_span, symmetric_eigen,
-    symmetric_eigen_sequential,
+    symmetric_eigen_polished,
 };
 pub use lanczos::{LanczosOptions, Spectrum, lowest_modes};
 pub use ordering::Ordering;
@@ -21,6 +21,9 @@ pub use sparse::{SparseBuilder, SparseSymmetric};
 /// What a linear-algebra routine could not do.
 #[derive(Debug, thiserror::Error)]
 pub enum LinalgError {
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Interrupted,
     /// A matrix that should be positive definite is not.
     #[error("the matrix is not positive definite: the pivot of unknown {unknown} of {n} is not positive")]
     NotPositiveDefinite {

@@ -3,6 +3,9 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+/// Columns that a product treats side by side.
+const PANEL: usize = 8;
+
 /// A sparse symmetric matrix with both triangles stored: row i is column i.
 #[derive(Clone, Debug)]
 pub struct SparseSymmetric {
@@ -52,22 +55,35 @@ impl SparseSymmetric {
     /// The product with a dense n x b block.
     pub fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         assert_eq!(x.nrows(), self.n, "rows of the block against the order of the matrix");
-        let (n, b) = x.shape();
-        // Rows of the block side by side: one pass over the matrix serves all its columns.
-        let rows = x.transpose();
-        let rows = rows.as_slice();
-        let mut out = DMatrix::<f64>::zeros(b, n);
-        let chunk = 1024;
-        out.as_mut_slice().par_chunks_mut(chunk * b.max(1)).enumerate().for_each(|(c, out)| {
-            for (k, out) in out.chunks_mut(b).enumerate() {
-                for (j, v) in self.row(c * chunk + k) {
-                    for (o, x) in out.iter_mut().zip(&rows[j * b..(j + 1) * b]) {
-                        *o += v * x;
-                    }
+        let mut out = DMatrix::<f64>::zeros(self.n, x.ncols());
+        if self.n > 0 {
+            let panel = PANEL * self.n;
+            out.as_mut_slice().par_chunks_mut(panel).zip(x.as_slice().par_chunks(panel)).for_each(|(out, x)| self.multiply_panel(x, out));
+        }
+        out
+    }
+
+    /// Up to [`PANEL`] columns at once: one pass over the matrix serves them all, their values side by side.
+    fn multiply_panel(&self, x: &[f64], out: &mut [f64]) {
+        let columns = x.len() / self.n;
+        let mut rows = vec![[0.0; PANEL]; self.n];
+        for (c, column) in x.chunks_exact(self.n).enumerate() {
+            for (row, value) in rows.iter_mut().zip(column) {
+                row[c] = *value;
+            }
+        }
+        for i in 0..self.n {
+            let mut sum = [0.0; PANEL];
+            for (j, v) in self.row(i) {
+                let row = &rows[j];
+                for c in 0..PANEL {
+                    sum[c] += v * row[c];
                 }
             }
-        });
-        out.transpose()
+            for (c, sum) in sum.iter().enumerate().take(columns) {
+                out[c * self.n + i] = *sum;
+            }
+        }
     }
 
     /// self + factor * other; both have the same pattern.

@@ -2,7 +2,7 @@
 
 use super::{ModalError, free_motion};
 use crate::coupling::CoupledModel;
-use crate::linalg::{multiply, symmetric_eigen_sequential};
+use crate::linalg::{multiply, symmetric_eigen_polished};
 use crate::machine::Damping;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -60,18 +60,20 @@ impl Modes {
     }
 }
 
-/// Modes at a position: the dense f64 eigenproblem of K(p) in the fixed basis.
+/// Modes at a position: the dense f64 eigenproblem of K(p) in the fixed basis, of which the lowest
+/// `polished` modes are wanted to full accuracy.
 ///
 /// # Errors
 /// [`ModalError`]; a negative eigenvalue beyond rounding is an error, not a mode.
 ///
 /// # Accuracy
-/// Absolute in omega^2: some eps times the largest eigenvalue of K(p), which the fixed basis bounds.
-pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64) -> Result<Modes, ModalError> {
+/// omega^2 of the polished modes to 1e-10; of the others to some 1e-12 of the largest eigenvalue of
+/// K(p), which the fixed basis bounds.
+pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64, polished: usize) -> Result<Modes, ModalError> {
     model.check_position(position)?;
     let rows = model.rows(position)?;
     let stiffness = model.stiffness(position)?;
-    let eigen = symmetric_eigen_sequential(&model.coupled_stiffness(position)?)
+    let eigen = symmetric_eigen_polished(&model.coupled_stiffness(position)?, polished)
         .map_err(|source| ModalError::Eigen { position, source })?;
     let n = model.n();
     let rounding = f64::EPSILON * n as f64 * eigen.values.amax();

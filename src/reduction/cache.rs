@@ -7,6 +7,7 @@
 
 use super::superelement::{ReducedInterface, ReducedRail};
 use super::{ReductionError, ReductionRequest, Superelement, reduce};
+use crate::interrupt::Interrupt;
 use crate::mesh::Mesh;
 use crate::solid::{Face, Surface};
 use nalgebra::{DMatrix, Matrix3};
@@ -87,18 +88,18 @@ impl Cache {
     ///
     /// # Errors
     /// [`ReductionError`] if it has to be computed and cannot be.
-    pub fn reduce(&self, request: &ReductionRequest, mesh: &Mesh) -> Result<Cached, ReductionError> {
+    pub fn reduce(&self, request: &ReductionRequest, mesh: &Mesh, interrupt: Option<&Interrupt>) -> Result<Cached, ReductionError> {
         let mut warnings = Vec::new();
         let file = match self.file(request) {
             Ok(file) => file,
-            Err(_) => return reduce(request, mesh).map(|superelement| Cached { superelement, hit: false, warnings }),
+            Err(_) => return reduce(request, mesh, interrupt).map(|superelement| Cached { superelement, hit: false, warnings }),
         };
         match read(&file) {
             Ok(Some(superelement)) => return Ok(Cached { superelement, hit: true, warnings }),
             Ok(None) => {}
             Err(error) => warnings.push(error),
         }
-        let superelement = reduce(request, mesh)?;
+        let superelement = reduce(request, mesh, interrupt)?;
         if let Err(error) = write(&file, &superelement) {
             warnings.push(error);
         }

@@ -15,14 +15,14 @@ pub(super) fn vectors(
     ordering: &Ordering,
     flexibility: &Flexibility<'_>,
     motions: &DMatrix<f64>,
-    request: ComponentModes,
+    request: ComponentModes<'_>,
 ) -> Result<(Vec<f64>, Vec<DMatrix<f64>>), ReductionError> {
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.to_string(), source };
     let attachments = flexibility.apply(motions);
     let constrained = Constrained::new(part, flexibility, motions, &attachments)?;
     let available = system.n_dof() - constrained.motions.ncols();
-    let inverse = |x: &DMatrix<f64>| constrained.apply(&system.mass.multiply(x));
-    let options = LanczosOptions { modes: request.with_guard().min(available), block: 8, tolerance: 1e-7 };
+    let inverse = |load: &DMatrix<f64>| constrained.apply(load);
+    let options = LanczosOptions { modes: request.with_guard().min(available), block: 8, tolerance: 1e-7, interrupt: request.interrupt };
     let spectrum = lowest_modes(&system.mass, &inverse, options).map_err(failed)?;
 
     // Inertia of K - mu M on the constrained subspace: negative eigenvalues of the unconstrained matrix

@@ -13,12 +13,12 @@ pub(super) fn vectors(
     ordering: &Ordering,
     flexibility: &Flexibility<'_>,
     motions: &DMatrix<f64>,
-    request: ComponentModes,
+    request: ComponentModes<'_>,
 ) -> Result<(Vec<f64>, Vec<DMatrix<f64>>), ReductionError> {
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.to_string(), source };
     let rigid = flexibility.rigid.ncols();
-    let options = LanczosOptions { modes: request.with_guard().min(system.n_dof() - rigid), block: 8, tolerance: 1e-7 };
-    let spectrum = lowest_modes(&system.mass, &|x| flexibility.apply_mass(x), options).map_err(failed)?;
+    let options = LanczosOptions { modes: request.with_guard().min(system.n_dof() - rigid), block: 8, tolerance: 1e-7, interrupt: request.interrupt };
+    let spectrum = lowest_modes(&system.mass, &|load| flexibility.apply(load), options).map_err(failed)?;
     request.check_count(&spectrum, |shift| {
         let shifted = Indefinite::new(&system.stiffness.plus_scaled(-shift, &system.mass), ordering)?;
         Ok(shifted.negative_eigenvalues().saturating_sub(rigid))

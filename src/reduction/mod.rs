@@ -25,7 +25,7 @@ mod free_interface;
 mod superelement;
 
 pub use cache::{Cache, CacheError, Cached};
-pub use superelement::{RailSpring, RailTraining, ReducedInterface, ReducedRail, ReductionRequest, Superelement, reduce};
+pub use superelement::{LEAST_SHARE, RailSpring, RailTraining, ReducedInterface, ReducedRail, ReductionRequest, Superelement, reduce};
 
 use crate::linalg::LinalgError;
 use crate::solid::SolidError;

@@ -3,6 +3,7 @@
 use super::basis::rayleigh_ritz;
 use super::flexibility::Flexibility;
 use super::{ReductionError, craig_bampton, free_interface};
+use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, Spectrum, multiply, multiply_transposed};
 use crate::machine::{ComponentAnalysis, Part, ReductionMethod};
 use crate::mesh::Mesh;
@@ -47,6 +48,9 @@ pub struct RailSpring {
     /// Whether it resists a rotation.
     pub rotation: bool,
 }
+
+/// A footprint of which less than this share lies on its rail has left it.
+pub const LEAST_SHARE: f64 = 0.25;
 
 /// A part in reduced coordinates: M = I, K = diag(eigenvalues).
 #[derive(Clone, Debug, PartialEq)]
@@ -110,13 +114,18 @@ impl Superelement {
 }
 
 impl ReducedRail {
-    /// The rigid motion of a footprint: its area centroid (m) and 6 x n rows there.
-    ///
-    /// `None` if the footprint leaves the rail or covers too little of it to have a rigid motion.
-    pub fn footprint(&self, direction: [f64; 3], centre: f64, length: f64) -> Option<ReducedInterface> {
+    /// Share of a footprint that lies on the rail, 0 to 1.
+    pub fn share_on_rail(&self, direction: [f64; 3], centre: f64, length: f64) -> f64 {
         let (from, to) = self.surface.extent(direction);
-        let slack = 1e-9 * (1.0 + (to - from).abs());
-        if centre - 0.5 * length < from - slack || centre + 0.5 * length > to + slack {
+        (((centre + 0.5 * length).min(to) - (centre - 0.5 * length).max(from)) / length).max(0.0)
+    }
+
+    /// The rigid motion of a footprint, of the part of it that lies on the rail: its area centroid (m)
+    /// and 6 x n rows there.
+    ///
+    /// `None` if less than [`LEAST_SHARE`] of it lies on the rail.
+    pub fn footprint(&self, direction: [f64; 3], centre: f64, length: f64) -> Option<ReducedInterface> {
+        if self.share_on_rail(direction, centre, length) < LEAST_SHARE {
             return None;
         }
         let weights = self.surface.weights_in_slab(direction, centre, length);
@@ -131,7 +140,7 @@ impl ReducedRail {
 ///
 /// # Errors
 /// [`ReductionError`], with the part's name.
-pub fn reduce(request: &ReductionRequest, mesh: &Mesh) -> Result<Superelement, ReductionError> {
+pub fn reduce(request: &ReductionRequest, mesh: &Mesh, interrupt: Option<&Interrupt>) -> Result<Superelement, ReductionError> {
     let part = &request.part;
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.name.clone(), source };
     let system = assemble(part, mesh)?;
@@ -142,6 +151,7 @@ pub fn reduce(request: &ReductionRequest, mesh: &Mesh) -> Result<Superelement, R
         modes: request.component.modes,
         band: request.component.band,
         second_moment: request.component.second_moment,
+        interrupt,
     };
     let method = match request.component.method {
         ReductionMethod::CraigBampton => craig_bampton::vectors,
@@ -238,13 +248,14 @@ impl RailSpring {
 
 /// How many component modes are wanted.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ComponentModes {
+pub(super) struct ComponentModes<'a> {
     pub modes: usize,
     pub band: f64,
     pub second_moment: bool,
+    pub interrupt: Option<&'a Interrupt>,
 }
 
-impl ComponentModes {
+impl ComponentModes<'_> {
     /// A few modes more than wanted, so that the inertia count finds a gap to stand in.
     pub fn with_guard(self) -> usize {
         self.modes + 4
