@@ -15,7 +15,7 @@ pub(super) fn scientific(out: &mut Vec<u8>, value: f64) {
     if value == 0.0 {
         return out.extend_from_slice(b"0e0");
     }
-    let mut exponent = value.log10().floor() as i32;
+    let mut exponent = decade(value);
     let mut mantissa = scaled(value, DECIMALS as i32 - exponent);
     if mantissa < 100_000_000 {
         exponent -= 1;
@@ -42,7 +42,7 @@ pub(super) fn scientific(out: &mut Vec<u8>, value: f64) {
 /// Appends a number with six decimals, without trailing zeros; absolute values below 1e9.
 pub(super) fn fixed6(out: &mut Vec<u8>, value: f64) {
     debug_assert!(value.abs() < 1e9, "{value}");
-    let scaled = (value.abs() * 1e6).round() as u64;
+    let scaled = (value.abs() * 1e6 + 0.5) as u64;
     if value < 0.0 && scaled > 0 {
         out.push(b'-');
     }
@@ -55,11 +55,33 @@ pub(super) fn fixed6(out: &mut Vec<u8>, value: f64) {
     }
 }
 
-/// value 10^power to the nearest integer; two factors, since 10^power alone may overflow.
-fn scaled(value: f64, power: i32) -> u64 {
-    let half = power / 2;
-    (value * 10_f64.powi(half) * 10_f64.powi(power - half)).round() as u64
+/// The exponent of a positive number's leading digit, or one less.
+fn decade(value: f64) -> i32 {
+    if value < f64::MIN_POSITIVE {
+        return value.log10().floor() as i32; // subnormal: the exponent field says nothing
+    }
+    let binary = (value.to_bits() >> 52) as i32 - 1023;
+    (binary * 315_653) >> 20 // log10(2) 2^20 = 315652.8
 }
+
+/// value 10^power to the nearest integer.
+fn scaled(value: f64, power: i32) -> u64 {
+    let factor = |p: i32| POWERS.get(p as usize).copied().unwrap_or_else(|| 10_f64.powi(p));
+    let product = if power > 300 {
+        value * factor(300) * factor(power - 300)
+    } else if power >= 0 {
+        value * factor(power)
+    } else {
+        value / factor(-power)
+    };
+    (product + 0.5) as u64
+}
+
+/// The powers of ten that are exact in f64.
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
+    1e18, 1e19, 1e20, 1e21, 1e22,
+];
 
 fn put(digits: &mut [u8], mut value: u64) {
     for digit in digits.iter_mut().rev() {
@@ -68,10 +90,17 @@ fn put(digits: &mut [u8], mut value: u64) {
     }
 }
 
-fn integer(out: &mut Vec<u8>, value: u64) {
-    let mut digits = [b'0'; 20];
-    put(&mut digits, value);
-    let first = digits.iter().position(|d| *d != b'0').unwrap_or(19);
+fn integer(out: &mut Vec<u8>, mut value: u64) {
+    let mut digits = [0_u8; 20];
+    let mut first = digits.len();
+    loop {
+        first -= 1;
+        digits[first] = b'0' + (value % 10) as u8;
+        value /= 10;
+        if value == 0 {
+            break;
+        }
+    }
     out.extend_from_slice(&digits[first..]);
 }
 

@@ -40,7 +40,10 @@ impl View {
     /// Place of a point of the unit box, in pixels of the finished picture.
     fn unit(&self, f: f64, p: f64, h: f64) -> Point {
         let (x, y) = flat(f, p, h);
-        (self.origin.0 + self.scale * x, self.origin.1 + self.scale * y)
+        (
+            self.origin.0 + self.scale * x,
+            self.origin.1 + self.scale * y,
+        )
     }
 
     /// Place of a point of the doubled picture.
@@ -54,7 +57,10 @@ impl View {
 fn flat(f: f64, p: f64, h: f64) -> Point {
     let (x, y, z) = (BOX[0] * f, BOX[1] * p, BOX[2] * h);
     let depth = y * TURN.cos() - x * TURN.sin();
-    (x * TURN.cos() + y * TURN.sin(), -z * RISE.cos() - depth * RISE.sin())
+    (
+        x * TURN.cos() + y * TURN.sin(),
+        -z * RISE.cos() - depth * RISE.sin(),
+    )
 }
 
 /// Draws the surface with axes and colour bar.
@@ -74,7 +80,11 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field, height: HeightScale
         scale: 1.0,
         origin: (0.0, 0.0),
     };
-    fit(&mut view, (120.0, 100.0), (WIDTH as f64 - room - 90.0, HEIGHT as f64 - 110.0));
+    fit(
+        &mut view,
+        (120.0, 100.0),
+        (WIDTH as f64 - room - 90.0, HEIGHT as f64 - 110.0),
+    );
 
     let mut large = Canvas::new(2 * WIDTH, 2 * HEIGHT);
     walls(&mut large, &view);
@@ -82,7 +92,12 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field, height: HeightScale
     edges(&mut large, &view);
     let mut canvas = large.halved();
     labels(&mut canvas, &font, &view, axis, &field.label());
-    draw_heading(&mut canvas, &font, &format!("{heading}, amplitude view"), 60.0);
+    draw_heading(
+        &mut canvas,
+        &font,
+        &format!("{heading}, amplitude view"),
+        60.0,
+    );
     let bar = (WIDTH as f64 - room, 150.0, HEIGHT as f64 - 150.0);
     colour_bar(&mut canvas, &font, &colours, &field.label(), bar, cut);
     canvas
@@ -91,11 +106,20 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field, height: HeightScale
 /// Scales and moves the projection so that the box fills the area.
 fn fit(view: &mut View, low: Point, high: Point) {
     let corners: Vec<Point> = (0..8)
-        .map(|k| flat(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2 & 1)))
+        .map(|k| {
+            flat(
+                f64::from(k & 1),
+                f64::from(k >> 1 & 1),
+                f64::from(k >> 2 & 1),
+            )
+        })
         .collect();
     let range = |take: fn(&Point) -> f64| {
         let values = corners.iter().map(take);
-        (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max))
+        (
+            values.clone().fold(f64::INFINITY, f64::min),
+            values.fold(f64::NEG_INFINITY, f64::max),
+        )
     };
     let (x, y) = (range(|p| p.0), range(|p| p.1));
     view.scale = ((high.0 - low.0) / (x.1 - x.0)).min((high.1 - low.1) / (y.1 - y.0));
@@ -109,9 +133,33 @@ fn fit(view: &mut View, low: Point, high: Point) {
 fn walls(canvas: &mut Canvas, view: &View) {
     let pane = [247, 247, 247];
     let at = |f, p, h| view.fine(f, p, h);
-    canvas.quad([at(0., 0., 0.), at(1., 0., 0.), at(1., 1., 0.), at(0., 1., 0.)], pane);
-    canvas.quad([at(0., 1., 0.), at(1., 1., 0.), at(1., 1., 1.), at(0., 1., 1.)], pane);
-    canvas.quad([at(0., 0., 0.), at(0., 1., 0.), at(0., 1., 1.), at(0., 0., 1.)], pane);
+    canvas.quad(
+        [
+            at(0., 0., 0.),
+            at(1., 0., 0.),
+            at(1., 1., 0.),
+            at(0., 1., 0.),
+        ],
+        pane,
+    );
+    canvas.quad(
+        [
+            at(0., 1., 0.),
+            at(1., 1., 0.),
+            at(1., 1., 1.),
+            at(0., 1., 1.),
+        ],
+        pane,
+    );
+    canvas.quad(
+        [
+            at(0., 0., 0.),
+            at(0., 1., 0.),
+            at(0., 1., 1.),
+            at(0., 0., 1.),
+        ],
+        pane,
+    );
     let mut line = |points: [(f64, f64, f64); 3]| {
         let points = points.map(|(f, p, h)| at(f, p, h));
         canvas.polyline(&points, FINE * THIN, GRID);
@@ -125,7 +173,11 @@ fn walls(canvas: &mut Canvas, view: &View) {
     for t in labelled(&view.height, 5) {
         line([(0., 0., t), (0., 1., t), (1., 1., t)]);
     }
-    for [a, b] in [[(0., 1., 0.), (0., 1., 1.)], [(0., 1., 0.), (1., 1., 0.)], [(0., 0., 0.), (0., 1., 0.)]] {
+    for [a, b] in [
+        [(0., 1., 0.), (0., 1., 1.)],
+        [(0., 1., 0.), (1., 1., 0.)],
+        [(0., 0., 0.), (0., 1., 0.)],
+    ] {
         let [a, b] = [a, b].map(|(f, p, h): (f64, f64, f64)| at(f, p, h));
         canvas.line(a, b, FINE * THIN, [170, 170, 170]);
     }
@@ -133,26 +185,47 @@ fn walls(canvas: &mut Canvas, view: &View) {
 
 /// Places of the labelled ticks on an axis.
 fn labelled(scale: &Scale, count: usize) -> Vec<f64> {
-    scale.ticks(count).iter().filter(|t| t.label.is_some()).map(|t| scale.at(t.value)).collect()
+    scale
+        .ticks(count)
+        .iter()
+        .filter(|t| t.label.is_some())
+        .map(|t| scale.at(t.value))
+        .collect()
 }
 
 /// The surface from the farthest cell to the nearest, closed to the floor at the front.
 fn surface(canvas: &mut Canvas, view: &View, field: &Field, colours: &Scale) {
     let n = field.positions.len();
-    let f: Vec<f64> = field.frequencies.iter().map(|v| view.frequency.at(*v)).collect();
-    let p: Vec<f64> = field.positions.iter().map(|v| view.position.at(*v)).collect();
+    let f: Vec<f64> = field
+        .frequencies
+        .iter()
+        .map(|v| view.frequency.at(*v))
+        .collect();
+    let p: Vec<f64> = field
+        .positions
+        .iter()
+        .map(|v| view.position.at(*v))
+        .collect();
     let heights = |i: usize| -> Vec<f64> {
-        field.row(i).iter().map(|v| view.height.at(*v).clamp(0.0, 1.0)).collect()
+        field
+            .row(i)
+            .iter()
+            .map(|v| view.height.at(*v).clamp(0.0, 1.0))
+            .collect()
     };
     let project = |i: usize, h: &[f64]| -> Vec<Point> {
-        f.iter().zip(h).map(|(f, h)| view.fine(*f, p[i], *h)).collect()
+        f.iter()
+            .zip(h)
+            .map(|(f, h)| view.fine(*f, p[i], *h))
+            .collect()
     };
     let mut far_heights = heights(n - 1);
     let mut far = project(n - 1, &far_heights);
     let every = (n as f64 / LINES as f64).max(1.0);
-    let marked = |i: usize| i == 0 || (i as f64 / every).floor() != ((i - 1) as f64 / every).floor();
+    let marked =
+        |i: usize| i == 0 || (i as f64 / every).floor() != ((i - 1) as f64 / every).floor();
     let line = |canvas: &mut Canvas, points: &[Point]| {
-        canvas.polyline(points, FINE * 1.0, [50, 50, 60]);
+        canvas.polyline(points, FINE * 1.2, [50, 50, 60]);
     };
     line(canvas, &far);
     for i in (0..n - 1).rev() {
@@ -160,12 +233,14 @@ fn surface(canvas: &mut Canvas, view: &View, field: &Field, colours: &Scale) {
         let near = project(i, &near_heights);
         let (far_row, near_row) = (field.row(i + 1), field.row(i));
         for k in 0..f.len() - 1 {
-            let slope = (far_heights[k] + far_heights[k + 1] - near_heights[k] - near_heights[k + 1])
-                / 2.0
-                / (p[i + 1] - p[i]).max(1e-12);
-            let along = (far_heights[k + 1] + near_heights[k + 1] - far_heights[k] - near_heights[k])
-                / 2.0
-                / (f[k + 1] - f[k]).max(1e-12);
+            let slope =
+                (far_heights[k] + far_heights[k + 1] - near_heights[k] - near_heights[k + 1])
+                    / 2.0
+                    / (p[i + 1] - p[i]).max(1e-12);
+            let along =
+                (far_heights[k + 1] + near_heights[k + 1] - far_heights[k] - near_heights[k])
+                    / 2.0
+                    / (f[k + 1] - f[k]).max(1e-12);
             let corners = [near[k], near[k + 1], far[k + 1], far[k]];
             let left = (far_row[k] + near_row[k]) / 2.0;
             let right = (far_row[k + 1] + near_row[k + 1]) / 2.0;
@@ -188,7 +263,9 @@ fn surface(canvas: &mut Canvas, view: &View, field: &Field, colours: &Scale) {
     let last = f.len() - 1;
     let side = |h: fn(f64) -> f64| -> Vec<Point> {
         let top = |i: usize| view.height.at(field.row(i)[last]).clamp(0.0, 1.0);
-        (0..n).map(|i| view.fine(f[last], p[i], h(top(i)))).collect()
+        (0..n)
+            .map(|i| view.fine(f[last], p[i], h(top(i))))
+            .collect()
     };
     curtain(canvas, &side(|h| h), &side(|_| 0.0), [208, 212, 218]);
 }
@@ -203,9 +280,12 @@ fn cell(
     light: f64,
 ) {
     let change = (colours.at(right).clamp(0.0, 1.0) - colours.at(left).clamp(0.0, 1.0)).abs();
-    let strips = (change * STRIPS).ceil().max(1.0);
-    let between =
-        |a: Point, b: Point, t: f64| (a.0 + (b.0 - a.0) * t, a.1 + (b.1 - a.1) * t);
+    if change * STRIPS <= 1.0 {
+        let value = (left + right) / 2.0;
+        return canvas.quad(corners, shade(viridis(colours.at(value)), light));
+    }
+    let strips = (change * STRIPS).ceil();
+    let between = |a: Point, b: Point, t: f64| (a.0 + (b.0 - a.0) * t, a.1 + (b.1 - a.1) * t);
     let [near_left, near_right, far_right, far_left] = corners;
     for strip in 0..strips as usize {
         let (s, t) = (strip as f64 / strips, (strip as f64 + 1.0) / strips);
@@ -233,17 +313,33 @@ fn light(along: f64, into: f64) -> f64 {
 fn edges(canvas: &mut Canvas, view: &View) {
     let at = |f, p, h| view.fine(f, p, h);
     canvas.polyline(
-        &[at(0., 0., 1.), at(0., 0., 0.), at(1., 0., 0.), at(1., 1., 0.)],
+        &[
+            at(0., 0., 1.),
+            at(0., 0., 0.),
+            at(1., 0., 0.),
+            at(1., 1., 0.),
+        ],
         FINE * AXIS,
         INK,
     );
     let mut tick = |t: [f64; 3], step: Point| {
         let a = at(t[0], t[1], t[2]);
-        canvas.line(a, (a.0 + FINE * step.0, a.1 + FINE * step.1), FINE * AXIS, INK);
+        canvas.line(
+            a,
+            (a.0 + FINE * step.0, a.1 + FINE * step.1),
+            FINE * AXIS,
+            INK,
+        );
     };
-    labelled(&view.frequency, 6).iter().for_each(|t| tick([*t, 0., 0.], (-6.0, 9.0)));
-    labelled(&view.position, 4).iter().for_each(|t| tick([1., *t, 0.], (10.0, 5.0)));
-    labelled(&view.height, 5).iter().for_each(|t| tick([0., 0., *t], (-11.0, 0.0)));
+    labelled(&view.frequency, 6)
+        .iter()
+        .for_each(|t| tick([*t, 0., 0.], (-6.0, 9.0)));
+    labelled(&view.position, 4)
+        .iter()
+        .for_each(|t| tick([1., *t, 0.], (10.0, 5.0)));
+    labelled(&view.height, 5)
+        .iter()
+        .for_each(|t| tick([0., 0., *t], (-11.0, 0.0)));
 }
 
 /// Tick and axis labels.
@@ -253,17 +349,53 @@ fn labels(canvas: &mut Canvas, font: &Typeface, view: &View, axis: &str, height:
             let Some(label) = tick.label else { continue };
             let [f, p, h] = corner(scale.at(tick.value));
             let at = view.unit(f, p, h);
-            font.draw(canvas, &label, (at.0 + shift.0, at.1 + shift.1), SMALL, align);
+            font.draw(
+                canvas,
+                &label,
+                (at.0 + shift.0, at.1 + shift.1),
+                SMALL,
+                align,
+            );
         }
     };
-    along(&view.frequency, 6, |t| [t, 0., 0.], (-12.0, 32.0), Align::Middle);
-    along(&view.position, 4, |t| [1., t, 0.], (18.0, 14.0), Align::Start);
+    along(
+        &view.frequency,
+        6,
+        |t| [t, 0., 0.],
+        (-12.0, 32.0),
+        Align::Middle,
+    );
+    along(
+        &view.position,
+        4,
+        |t| [1., t, 0.],
+        (18.0, 14.0),
+        Align::Start,
+    );
     along(&view.height, 5, |t| [0., 0., t], (-20.0, 0.0), Align::End);
     let middle = view.unit(0.5, 0.0, 0.0);
-    font.draw(canvas, FREQUENCY_LABEL, (middle.0 - 40.0, middle.1 + 90.0), TEXT, Align::End);
+    font.draw(
+        canvas,
+        FREQUENCY_LABEL,
+        (middle.0 - 40.0, middle.1 + 90.0),
+        TEXT,
+        Align::End,
+    );
     let corner = view.unit(1.0, 0.0, 0.0);
     let label = position_label(axis);
-    font.draw(canvas, &label, (corner.0 + 30.0, corner.1 + 66.0), TEXT, Align::Start);
+    font.draw(
+        canvas,
+        &label,
+        (corner.0 + 30.0, corner.1 + 66.0),
+        TEXT,
+        Align::Start,
+    );
     let top = view.unit(0.0, 0.0, 1.0);
-    font.draw(canvas, height, (top.0 - 20.0, top.1 - 46.0), TEXT, Align::Middle);
+    font.draw(
+        canvas,
+        height,
+        (top.0 - 20.0, top.1 - 46.0),
+        TEXT,
+        Align::Middle,
+    );
 }

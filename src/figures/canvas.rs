@@ -25,7 +25,11 @@ pub(super) struct Canvas {
 impl Canvas {
     /// A white picture.
     pub fn new(width: usize, height: usize) -> Canvas {
-        Canvas { width, height, pixels: vec![255; 3 * width * height] }
+        Canvas {
+            width,
+            height,
+            pixels: vec![255; 3 * width * height],
+        }
     }
 
     /// Sets one pixel; places outside are passed over.
@@ -44,19 +48,23 @@ impl Canvas {
         let at = 3 * (y as usize * self.width + x as usize);
         let weight = coverage.clamp(0.0, 1.0);
         for (old, new) in self.pixels[at..at + 3].iter_mut().zip(colour) {
-            *old = (f32::from(*old) + (f32::from(new) - f32::from(*old)) * weight).round() as u8;
+            *old = (f32::from(*old) + (f32::from(new) - f32::from(*old)) * weight + 0.5) as u8;
         }
     }
 
     /// A line with round ends.
     pub fn line(&mut self, a: Point, b: Point, width: f64, colour: Colour) {
         let size = (self.width, self.height);
-        cover(size, a, b, width, |x, y, coverage| self.blend(x, y, colour, coverage));
+        cover(size, a, b, width, |x, y, coverage| {
+            self.blend(x, y, colour, coverage)
+        });
     }
 
     /// Lines from point to point.
     pub fn polyline(&mut self, points: &[Point], width: f64, colour: Colour) {
-        points.windows(2).for_each(|p| self.line(p[0], p[1], width, colour));
+        points
+            .windows(2)
+            .for_each(|p| self.line(p[0], p[1], width, colour));
     }
 
     /// A curve through points, its edges even where many short lines meet.
@@ -70,16 +78,27 @@ impl Canvas {
         let ((left, wide), (top, tall)) = (range(|p| p.0, self.width), range(|p| p.1, self.height));
         let mut covered = vec![0.0_f32; wide * tall];
         for pair in points.windows(2) {
-            cover((self.width, self.height), pair[0], pair[1], width, |x, y, coverage| {
-                let (i, j) = (x - left, y - top);
-                if (0..wide as i64).contains(&i) && (0..tall as i64).contains(&j) {
-                    let at = &mut covered[j as usize * wide + i as usize];
-                    *at = at.max(coverage);
-                }
-            });
+            cover(
+                (self.width, self.height),
+                pair[0],
+                pair[1],
+                width,
+                |x, y, coverage| {
+                    let (i, j) = (x - left, y - top);
+                    if (0..wide as i64).contains(&i) && (0..tall as i64).contains(&j) {
+                        let at = &mut covered[j as usize * wide + i as usize];
+                        *at = at.max(coverage);
+                    }
+                },
+            );
         }
         for (k, coverage) in covered.into_iter().enumerate().filter(|(_, c)| *c > 0.0) {
-            self.blend(left + (k % wide) as i64, top + (k / wide) as i64, colour, coverage);
+            self.blend(
+                left + (k % wide) as i64,
+                top + (k / wide) as i64,
+                colour,
+                coverage,
+            );
         }
     }
 
@@ -95,7 +114,11 @@ impl Canvas {
         for row in first..=last as usize {
             let y = row as f64 + 0.5;
             let long = cross(p[0], p[2], y);
-            let short = if y < p[1].1 { cross(p[0], p[1], y) } else { cross(p[1], p[2], y) };
+            let short = if y < p[1].1 {
+                cross(p[0], p[1], y)
+            } else {
+                cross(p[1], p[2], y)
+            };
             let short = if short.is_finite() { short } else { p[1].0 };
             let from = (long.min(short) - 0.5).ceil().max(0.0) as usize;
             let to = (long.max(short) - 0.5).floor().min(self.width as f64 - 1.0);
@@ -149,7 +172,10 @@ impl Canvas {
         encoder
             .write_header()
             .and_then(|mut writer| writer.write_image_data(&self.pixels))
-            .map_err(|e| FigureError::Encode { path: path.into(), reason: e.to_string() })?;
+            .map_err(|e| FigureError::Encode {
+                path: path.into(),
+                reason: e.to_string(),
+            })?;
         Ok(bytes)
     }
 }
@@ -167,9 +193,19 @@ fn cover(
     let steep = dy.abs() > dx.abs();
     // Runs along the longer direction; at each step covers the line's width across.
     let (start, end, slope, origin) = if steep {
-        (a.1.min(b.1), a.1.max(b.1), dx / if dy == 0.0 { 1.0 } else { dy }, (a.1, a.0))
+        (
+            a.1.min(b.1),
+            a.1.max(b.1),
+            dx / if dy == 0.0 { 1.0 } else { dy },
+            (a.1, a.0),
+        )
     } else {
-        (a.0.min(b.0), a.0.max(b.0), dy / if dx == 0.0 { 1.0 } else { dx }, (a.0, a.1))
+        (
+            a.0.min(b.0),
+            a.0.max(b.0),
+            dy / if dx == 0.0 { 1.0 } else { dx },
+            (a.0, a.1),
+        )
     };
     let reach = width / 2.0 + 1.0;
     let across = reach * (1.0 + slope * slope).sqrt();

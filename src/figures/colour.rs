@@ -53,11 +53,28 @@ const CYCLE: [Colour; 8] = [
     [90, 90, 90],
 ];
 
+/// The scale in steps too fine to see.
+const TABLE: [Colour; 1024] = {
+    let mut table = [[0; 3]; 1024];
+    let mut i = 0;
+    while i < 1024 {
+        let at = i as f64 / 1023.0 * 32.0;
+        let k = if i == 1023 { 31 } else { at as usize };
+        let mut c = 0;
+        while c < 3 {
+            let (a, b) = (VIRIDIS[k][c] as f64, VIRIDIS[k + 1][c] as f64);
+            table[i][c] = (a + (b - a) * (at - k as f64) + 0.5) as u8;
+            c += 1;
+        }
+        i += 1;
+    }
+    table
+};
+
 /// The colour of a number between 0 and 1; numbers outside take the nearer end.
 pub(super) fn viridis(t: f64) -> Colour {
-    let at = t.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
-    let i = (at as usize).min(VIRIDIS.len() - 2);
-    mix(VIRIDIS[i], VIRIDIS[i + 1], at - i as f64)
+    static SCALE: [Colour; 1024] = TABLE;
+    SCALE[(t.clamp(0.0, 1.0) * 1023.0 + 0.5) as usize]
 }
 
 /// The colour of a family, counted from 1.
@@ -65,14 +82,7 @@ pub(super) fn family(number: usize) -> Colour {
     CYCLE[number.saturating_sub(1) % CYCLE.len()]
 }
 
-/// A colour between two, `t` from 0 to 1.
-fn mix(a: Colour, b: Colour, t: f64) -> Colour {
-    std::array::from_fn(|c| {
-        (f64::from(a[c]) + (f64::from(b[c]) - f64::from(a[c])) * t).round() as u8
-    })
-}
-
 /// A colour made darker (below 1) or brighter, each part by the same factor.
 pub(super) fn shade(colour: Colour, factor: f64) -> Colour {
-    colour.map(|c| (f64::from(c) * factor).round().clamp(0.0, 255.0) as u8)
+    colour.map(|c| (f64::from(c) * factor + 0.5) as u8)
 }

@@ -37,7 +37,11 @@ impl Field {
         };
         let (n_position, n_frequency) = (map.positions.len(), map.frequencies.len());
         if n_position == 0 || n_frequency == 0 {
-            let what = if n_position == 0 { "the positions" } else { "the frequencies" };
+            let what = if n_position == 0 {
+                "the positions"
+            } else {
+                "the frequencies"
+            };
             return Err(shape(what, 0, "at least one".into()));
         }
         let count = n_position * n_frequency * map.outputs.len() * map.inputs.len();
@@ -49,7 +53,10 @@ impl Field {
             what,
             value,
         };
-        for (what, axis) in [("position", &map.positions), ("frequency", &map.frequencies)] {
+        for (what, axis) in [
+            ("position", &map.positions),
+            ("frequency", &map.frequencies),
+        ] {
             if let Some(i) = axis.iter().position(|v| !v.is_finite()) {
                 return Err(not_finite(format!("{what} {i}"), axis[i]));
             }
@@ -78,13 +85,19 @@ impl Field {
             }
         }
         Ok(Field {
-            positions: by_position.iter().map(|&p| 1e3 * map.positions[p]).collect(),
+            positions: by_position
+                .iter()
+                .map(|&p| 1e3 * map.positions[p])
+                .collect(),
             frequencies: by_frequency.iter().map(|&f| map.frequencies[f]).collect(),
             values,
             title: if map.outputs[r.output] == map.inputs[r.input] {
                 format!("direct {name} at {}", map.outputs[r.output])
             } else {
-                format!("{name} from {} to {}", map.inputs[r.input], map.outputs[r.output])
+                format!(
+                    "{name} from {} to {}",
+                    map.inputs[r.input], map.outputs[r.output]
+                )
             },
             unit,
             max,
@@ -117,8 +130,10 @@ impl Field {
             group(self.frequencies.len(), frequencies),
         );
         let middles = |axis: &[f64], group: usize| -> Vec<f64> {
-            let mut middles: Vec<f64> =
-                axis.chunks(group).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
+            let mut middles: Vec<f64> = axis
+                .chunks(group)
+                .map(|c| c.iter().sum::<f64>() / c.len() as f64)
+                .collect();
             let last = middles.len() - 1;
             if last > 0 {
                 (middles[0], middles[last]) = (axis[0], axis[axis.len() - 1]);

@@ -26,17 +26,26 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field) -> Canvas {
             column(&field.frequencies, &row, bottom - top)
         })
         .collect();
-    for x in left..right {
-        let t = (x as f64 + 0.5 - frame.left) / (frame.right - frame.left);
-        let position = frame.x.low + t * (frame.x.high - frame.x.low);
-        let (i, weight) = between(&field.positions, position);
-        let (a, b) = (&columns[i], &columns[i + 1]);
-        for (k, (a, b)) in a.iter().zip(b).enumerate() {
+    let across: Vec<(usize, f64)> = (left..right)
+        .map(|x| {
+            let t = (x as f64 + 0.5 - frame.left) / (frame.right - frame.left);
+            between(&field.positions, frame.x.low + t * (frame.x.high - frame.x.low))
+        })
+        .collect();
+    for k in 0..bottom - top {
+        for (x, &(i, weight)) in (left..right).zip(&across) {
+            let (a, b) = (columns[i][k], columns[i + 1][k]);
             canvas.set(x, bottom - 1 - k, viridis(a + (b - a) * weight));
         }
     }
     let heading = format!("{heading}, frequency view");
-    frame.axes(&mut canvas, &font, &heading, &position_label(axis), FREQUENCY_LABEL);
+    frame.axes(
+        &mut canvas,
+        &font,
+        &heading,
+        &position_label(axis),
+        FREQUENCY_LABEL,
+    );
     let place = (frame.right + 36.0, frame.top, frame.bottom);
     colour_bar(&mut canvas, &font, &scale, &field.label(), place, cut);
     canvas
@@ -54,16 +63,28 @@ fn column(frequencies: &[f64], values: &[f64], n: usize) -> Vec<f64> {
     (0..n)
         .map(|k| {
             let ((i, from), (j, to)) = (at(k), at(k + 1));
-            values[i + 1..=j].iter().fold(from.max(to), |a, b| a.max(*b))
+            values[i + 1..=j]
+                .iter()
+                .fold(from.max(to), |a, b| a.max(*b))
         })
         .collect()
 }
 
 /// The interval of ascending values that holds one, and the place within, 0 to 1.
 fn between(values: &[f64], x: f64) -> (usize, f64) {
-    let i = values.partition_point(|v| *v <= x).clamp(1, values.len() - 1) - 1;
+    let i = values
+        .partition_point(|v| *v <= x)
+        .clamp(1, values.len() - 1)
+        - 1;
     let width = values[i + 1] - values[i];
-    (i, if width > 0.0 { ((x - values[i]) / width).clamp(0.0, 1.0) } else { 0.0 })
+    (
+        i,
+        if width > 0.0 {
+            ((x - values[i]) / width).clamp(0.0, 1.0)
+        } else {
+            0.0
+        },
+    )
 }
 
 #[cfg(test)]

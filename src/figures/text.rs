@@ -78,7 +78,10 @@ impl Typeface {
         self.paint(canvas, text, at, size, Align::Middle, true, INK);
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a text is, behind the three short forms")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "what a text is, behind the three short forms"
+    )]
     fn paint(
         &self,
         canvas: &mut Canvas,
@@ -98,10 +101,19 @@ impl Typeface {
         };
         // In the text's own frame: x along the line, y down from the middle of the capitals.
         let baseline = (CAPITAL * size / 2.0) as f32;
-        let (fraction_x, fraction_y) = if upwards { (0.0, 0.0) } else { (at.0.fract(), at.1.fract()) };
+        let (fraction_x, fraction_y) = if upwards {
+            (0.0, 0.0)
+        } else {
+            (at.0.fract(), at.1.fract())
+        };
         for (glyph, x) in glyphs {
-            let place = point(x + (start + fraction_x) as f32, baseline + fraction_y as f32);
-            let Some(outline) = self.0.outline_glyph(glyph.with_scale_and_position(scale, place))
+            let place = point(
+                x + (start + fraction_x) as f32,
+                baseline + fraction_y as f32,
+            );
+            let Some(outline) = self
+                .0
+                .outline_glyph(glyph.with_scale_and_position(scale, place))
             else {
                 continue;
             };
