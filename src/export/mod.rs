@@ -1,1 +1,117 @@
-//! To be written.
+//! Results as files, one file a format.
+//!
+//! Every exporter takes a result and a path and returns once the file stands under that path,
+//! whole: it is written aside and renamed ([`atomic`]). Nothing here computes physics. Numbers
+//! that are not finite are refused with their place, since a reader downstream would take them
+//! for results.
+//!
+//! | file | from | by |
+//! |---|---|---|
+//! | `eigenfrequencies.csv` | [`ModeFamilies`](crate::modal::ModeFamilies) | [`eigenfrequencies::write_families`] |
+//! | `mode_table.csv` | [`ModeTableRow`](crate::modal::ModeTableRow) | [`eigenfrequencies::write_mode_table`] |
+//! | `compliance.mat` | [`ComplianceMap`](crate::frf::ComplianceMap) | [`mat::write_compliance`] |
+//! | `state_space.mat` | [`StateSpace`](crate::state_space::StateSpace) | [`mat::write_state_space`] |
+//! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`] |
+//! | `surface_<out><in>.vts` | one response of a map | [`vts::write_surface`] |
+//! | `manifest.json` | [`manifest::Manifest`] | [`manifest::Manifest::write`] |
+
+pub mod atomic;
+mod digits;
+pub mod eigenfrequencies;
+pub mod manifest;
+pub mod mat;
+pub mod mat5;
+pub mod response;
+pub mod surface;
+pub mod vts;
+
+use std::path::{Path, PathBuf};
+
+/// Frequency below which a family is a free motion (0 Hz up to rounding), Hz.
+pub const FREE_BELOW_HZ: f64 = 0.01;
+
+/// Why a file was not written. Under its name there is then what was there before.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The operating system refused.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What was tried, as a verb.
+        action: &'static str,
+        /// The reason given.
+        source: std::io::Error,
+    },
+    /// A number is NaN or infinite.
+    #[error("{}: {what} is {value}; only finite numbers are written", path.display())]
+    NotFinite {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// Which number, with its place.
+        what: String,
+        /// The value seen.
+        value: f64,
+    },
+    /// Parts of the input do not fit together.
+    #[error("{}: {what} has {seen} entries, expected {expected}", path.display())]
+    Shape {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// Which array.
+        what: String,
+        /// Entries seen.
+        seen: usize,
+        /// Entries that the rest of the input asks for.
+        expected: usize,
+    },
+    /// A variable is larger than a level 5 MAT-file can hold.
+    #[error(
+        "{}: variable `{variable}` takes {bytes} bytes, a level 5 MAT-file holds at most {limit} \
+         a variable; ask for fewer positions or frequencies",
+        path.display()
+    )]
+    TooLarge {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// Name of the variable.
+        variable: String,
+        /// Its size, bytes.
+        bytes: u64,
+        /// The largest size allowed, bytes.
+        limit: u64,
+    },
+    /// A value has no form in the file's format.
+    #[error("{}: {reason}", path.display())]
+    Format {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What could not be expressed.
+        reason: String,
+    },
+}
+
+/// Refuses a number that is not finite; `what` is called only then.
+fn finite(path: &Path, value: f64, what: impl FnOnce() -> String) -> Result<f64, ExportError> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(ExportError::NotFinite {
+        path: path.into(),
+        what: what(),
+        value,
+    })
+}
+
+/// Refuses an array whose length is not what the rest of the input asks for.
+fn length(path: &Path, what: &str, seen: usize, expected: usize) -> Result<(), ExportError> {
+    if seen == expected {
+        return Ok(());
+    }
+    Err(ExportError::Shape {
+        path: path.into(),
+        what: what.into(),
+        seen,
+        expected,
+    })
+}

@@ -1,1 +1,167 @@
-//! To be written.
+//! Pictures of the results, as PNG for print at 16 cm width.
+//!
+//! | file | shows | in the paper |
+//! |---|---|---|
+//! | `eigenfrequencies.png` | eigenfrequencies over the position, a line a family | figure 8 |
+//! | `frf_<label>_amplitude.png` | magnitude as a surface over position and frequency | figures 11 to 13 |
+//! | `frf_<label>_frequency.png` | logarithm of the magnitude as a map, position against frequency | figures 14 to 16 |
+//!
+//! The paper turns its surface until the shift of the peaks in frequency can be seen; the map
+//! shows the same without hiding anything, in the axes of figure 8. Where the map has a single
+//! position (or frequency), both views are a curve over the other axis. Peaks survive the
+//! pictures' resolution: where several samples fall on a pixel, the largest is drawn.
+//!
+//! Drawn by this module itself, with `ab_glyph` for the outlines of the bundled font and `png` for
+//! the files: the surface needs its own order of drawing, and print needs even letter spacing.
+
+mod amplitude_view;
+mod canvas;
+mod colour;
+mod curve;
+mod eigenfrequencies;
+mod field;
+mod frame;
+mod frequency_view;
+mod scale;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use crate::export::response::{Response, direct_responses};
+use crate::export::{ExportError, atomic};
+use crate::frf::ComplianceMap;
+use crate::modal::ModeFamilies;
+use canvas::Canvas;
+use field::Field;
+
+/// What the height of the amplitude view is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum HeightScale {
+    /// The magnitude, as in the paper.
+    #[default]
+    Linear,
+    /// Its logarithm.
+    Logarithmic,
+}
+
+/// What the pictures are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct FigureInput<'a> {
+    /// Name of the machine, for the headings.
+    pub machine: &'a str,
+    /// Name of the axis that moves, such as `z`.
+    pub axis: &'a str,
+    /// Modes over the positions.
+    pub families: &'a ModeFamilies,
+    /// The responses; its direct ones are drawn.
+    pub map: &'a ComplianceMap,
+    /// Height of the amplitude view.
+    pub height: HeightScale,
+}
+
+/// Why a picture was not drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// A number is NaN or infinite.
+    #[error("{figure}: {what} is {value}; only finite numbers are drawn")]
+    NotFinite {
+        /// The picture.
+        figure: String,
+        /// Which number, with its place.
+        what: String,
+        /// The value seen.
+        value: f64,
+    },
+    /// Parts of the input do not fit together, or there is nothing to draw.
+    #[error("{figure}: {what} has {seen} entries, expected {expected}")]
+    Shape {
+        /// The picture.
+        figure: String,
+        /// Which array.
+        what: String,
+        /// Entries seen.
+        seen: usize,
+        /// Entries expected.
+        expected: String,
+    },
+    /// The picture could not be made into a PNG file.
+    #[error("{}: {reason}", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// The encoder's reason.
+        reason: String,
+    },
+    /// The file could not be written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+}
+
+/// One picture to draw.
+enum Picture<'a> {
+    Eigenfrequencies,
+    Amplitude(&'a Response),
+    Frequency(&'a Response),
+}
+
+/// Draws all pictures into a folder, in parallel; returns their paths, eigenfrequencies first.
+///
+/// # Errors
+/// [`FigureError::NotFinite`] and [`FigureError::Shape`] with the place of what cannot be drawn,
+/// [`FigureError::Encode`] and [`FigureError::Export`] if a file cannot be written. Pictures
+/// that were ready before the error stay.
+pub fn draw_all(input: &FigureInput, folder: &Path) -> Result<Vec<PathBuf>, FigureError> {
+    let responses = direct_responses(input.map);
+    let mut pictures = vec![(Picture::Eigenfrequencies, "eigenfrequencies.png".to_owned())];
+    for r in &responses {
+        pictures.push((
+            Picture::Amplitude(r),
+            format!("frf_{}_amplitude.png", r.label),
+        ));
+        pictures.push((
+            Picture::Frequency(r),
+            format!("frf_{}_frequency.png", r.label),
+        ));
+    }
+    pictures
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|(picture, name)| {
+            let path = folder.join(&name);
+            let canvas = draw(input, &picture, &name)?;
+            atomic::write_bytes(&path, &canvas.png(&path)?)?;
+            Ok(path)
+        })
+        .collect()
+}
+
+fn draw(input: &FigureInput, picture: &Picture, name: &str) -> Result<Canvas, FigureError> {
+    let (response, amplitude) = match picture {
+        Picture::Eigenfrequencies => {
+            return eigenfrequencies::draw(name, input.machine, input.axis, input.families);
+        }
+        Picture::Amplitude(response) => (response, true),
+        Picture::Frequency(response) => (response, false),
+    };
+    let field = Field::new(name, input.map, response)?;
+    let heading = format!("{}: {}", input.machine, field.title);
+    Ok(
+        if field.positions.len() == 1 || field.frequencies.len() == 1 {
+            curve::draw(&heading, input.axis, &field, !amplitude)
+        } else if amplitude {
+            amplitude_view::draw(&heading, input.axis, &field, input.height)
+        } else {
+            frequency_view::draw(&heading, input.axis, &field)
+        },
+    )
+}
+
+/// Label of the position axis.
+fn position_label(axis: &str) -> String {
+    format!("Position {axis} [mm]")
+}
+
+/// Label of the frequency axis.
+const FREQUENCY_LABEL: &str = "Frequency [Hz]";

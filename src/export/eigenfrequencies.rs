@@ -1,0 +1,79 @@
+//! Eigenfrequencies over positions and the mode table (the paper's table 2), as CSV.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::{ExportError, FREE_BELOW_HZ, atomic, finite, length};
+use crate::modal::{ModeFamilies, ModeTableRow};
+
+/// Writes `eigenfrequencies.csv`: one line a mode and position, by position and rank.
+///
+/// Columns: `position_m, family, rank, frequency_hz, damping_ratio`. Numbers are written with the
+/// fewest digits that give back the same f64.
+///
+/// # Errors
+/// [`ExportError::Shape`] if the modes are not one list a position, [`ExportError::NotFinite`] for
+/// NaN and infinities, [`ExportError::Io`] if the file cannot be written.
+pub fn write_families(path: &Path, families: &ModeFamilies) -> Result<(), ExportError> {
+    length(
+        path,
+        "the modes per position",
+        families.modes.len(),
+        families.positions.len(),
+    )?;
+    let mut text = String::from("position_m,family,rank,frequency_hz,damping_ratio\n");
+    for (i, (position, modes)) in families.positions.iter().zip(&families.modes).enumerate() {
+        let position = finite(path, *position, || format!("position {i}"))?;
+        for mode in modes {
+            let place = |what| move || format!("the {what} of rank {} at {position} m", mode.rank);
+            let frequency = finite(path, mode.frequency, place("frequency"))?;
+            let damping = finite(path, mode.damping_ratio, place("damping ratio"))?;
+            let (family, rank) = (mode.family, mode.rank);
+            text += &format!("{position},{family},{rank},{frequency},{damping}\n");
+        }
+    }
+    atomic::write_bytes(path, text.as_bytes())
+}
+
+/// Writes `mode_table.csv`: one line a family.
+///
+/// Columns: `family, min_hz, max_hz, difference_percent, position_of_min_m, position_of_max_m,
+/// interior_extremum`. A family that is free (0 Hz) has no relative difference: its field is empty.
+///
+/// # Errors
+/// [`ExportError::NotFinite`] for NaN and infinities other than a free family's difference,
+/// [`ExportError::Io`] if the file cannot be written.
+pub fn write_mode_table(path: &Path, rows: &[ModeTableRow]) -> Result<(), ExportError> {
+    atomic::write_atomic(path, |file| {
+        writeln!(
+            file,
+            "family,min_hz,max_hz,difference_percent,position_of_min_m,position_of_max_m,\
+             interior_extremum"
+        )
+        .map_err(atomic::io(path, "write"))?;
+        for row in rows {
+            let number = |value, what| {
+                finite(path, value, || {
+                    format!("the {what} of family {}", row.family)
+                })
+            };
+            let difference = if row.min < FREE_BELOW_HZ {
+                String::new()
+            } else {
+                number(row.difference_percent, "difference")?.to_string()
+            };
+            writeln!(
+                file,
+                "{},{},{},{difference},{},{},{}",
+                row.family,
+                number(row.min, "smallest frequency")?,
+                number(row.max, "largest frequency")?,
+                number(row.position_of_min, "position of the smallest frequency")?,
+                number(row.position_of_max, "position of the largest frequency")?,
+                row.interior_extremum,
+            )
+            .map_err(atomic::io(path, "write"))?;
+        }
+        Ok(())
+    })
+}

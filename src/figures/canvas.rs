@@ -1,0 +1,229 @@
+//! A picture in memory: anti-aliased lines, triangles, PNG.
+
+use super::FigureError;
+use std::path::Path;
+
+/// Red, green, blue.
+pub(super) type Colour = [u8; 3];
+
+/// A place on the picture in pixels, from the upper left corner; pixel centres at halves.
+pub(super) type Point = (f64, f64);
+
+pub(super) const INK: Colour = [30, 30, 30];
+pub(super) const GRID: Colour = [222, 222, 222];
+
+/// Pixels a metre in print: 1600 px stand for 16 cm.
+const PIXELS_PER_METRE: u32 = 10_000;
+
+/// An RGB picture.
+pub(super) struct Canvas {
+    pub width: usize,
+    pub height: usize,
+    pixels: Vec<u8>,
+}
+
+impl Canvas {
+    /// A white picture.
+    pub fn new(width: usize, height: usize) -> Canvas {
+        Canvas {
+            width,
+            height,
+            pixels: vec![255; 3 * width * height],
+        }
+    }
+
+    /// Sets one pixel; places outside are passed over.
+    pub fn set(&mut self, x: usize, y: usize, colour: Colour) {
+        if x < self.width && y < self.height {
+            let at = 3 * (y * self.width + x);
+            self.pixels[at..at + 3].copy_from_slice(&colour);
+        }
+    }
+
+    /// Lays a colour over a pixel with a coverage of 0 to 1; places outside are passed over.
+    pub fn blend(&mut self, x: i64, y: i64, colour: Colour, coverage: f32) {
+        if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
+            return;
+        }
+        let at = 3 * (y as usize * self.width + x as usize);
+        let weight = coverage.clamp(0.0, 1.0);
+        for (old, new) in self.pixels[at..at + 3].iter_mut().zip(colour) {
+            *old = (f32::from(*old) + (f32::from(new) - f32::from(*old)) * weight + 0.5) as u8;
+        }
+    }
+
+    /// A line with round ends.
+    pub fn line(&mut self, a: Point, b: Point, width: f64, colour: Colour) {
+        let size = (self.width, self.height);
+        cover(size, a, b, width, |x, y, coverage| {
+            self.blend(x, y, colour, coverage)
+        });
+    }
+
+    /// Lines from point to point.
+    pub fn polyline(&mut self, points: &[Point], width: f64, colour: Colour) {
+        points
+            .windows(2)
+            .for_each(|p| self.line(p[0], p[1], width, colour));
+    }
+
+    /// A curve through points, its edges even where many short lines meet.
+    pub fn curve(&mut self, points: &[Point], width: f64, colour: Colour) {
+        let range = |take: fn(&Point) -> f64, limit: usize| -> (i64, usize) {
+            let low = points.iter().map(take).fold(f64::INFINITY, f64::min) - width - 2.0;
+            let high = points.iter().map(take).fold(f64::NEG_INFINITY, f64::max) + width + 2.0;
+            let (low, high) = (low.max(0.0) as i64, high.min(limit as f64) as i64);
+            (low, (high - low).max(0) as usize)
+        };
+        let ((left, wide), (top, tall)) = (range(|p| p.0, self.width), range(|p| p.1, self.height));
+        let mut covered = vec![0.0_f32; wide * tall];
+        for pair in points.windows(2) {
+            cover(
+                (self.width, self.height),
+                pair[0],
+                pair[1],
+                width,
+                |x, y, coverage| {
+                    let (i, j) = (x - left, y - top);
+                    if (0..wide as i64).contains(&i) && (0..tall as i64).contains(&j) {
+                        let at = &mut covered[j as usize * wide + i as usize];
+                        *at = at.max(coverage);
+                    }
+                },
+            );
+        }
+        for (k, coverage) in covered.into_iter().enumerate().filter(|(_, c)| *c > 0.0) {
+            self.blend(
+                left + (k % wide) as i64,
+                top + (k / wide) as i64,
+                colour,
+                coverage,
+            );
+        }
+    }
+
+    /// Fills the pixels whose centres lie in a triangle.
+    pub fn triangle(&mut self, mut p: [Point; 3], colour: Colour) {
+        p.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let first = (p[0].1 - 0.5).ceil().max(0.0) as usize;
+        let last = (p[2].1 - 0.5).floor().min(self.height as f64 - 1.0);
+        if last < 0.0 {
+            return;
+        }
+        let cross = |a: Point, b: Point, y: f64| a.0 + (b.0 - a.0) * (y - a.1) / (b.1 - a.1);
+        for row in first..=last as usize {
+            let y = row as f64 + 0.5;
+            let long = cross(p[0], p[2], y);
+            let short = if y < p[1].1 {
+                cross(p[0], p[1], y)
+            } else {
+                cross(p[1], p[2], y)
+            };
+            let short = if short.is_finite() { short } else { p[1].0 };
+            let from = (long.min(short) - 0.5).ceil().max(0.0) as usize;
+            let to = (long.max(short) - 0.5).floor().min(self.width as f64 - 1.0);
+            if to >= from as f64 {
+                let row = &mut self.pixels[3 * row * self.width..];
+                for pixel in row[3 * from..3 * (to as usize + 1)].chunks_exact_mut(3) {
+                    pixel.copy_from_slice(&colour);
+                }
+            }
+        }
+    }
+
+    /// Fills a quadrilateral, corners in order round it.
+    pub fn quad(&mut self, p: [Point; 4], colour: Colour) {
+        self.triangle([p[0], p[1], p[2]], colour);
+        self.triangle([p[0], p[2], p[3]], colour);
+    }
+
+    /// The picture at half the size, each pixel the mean of four.
+    pub fn halved(&self) -> Canvas {
+        let mut half = Canvas::new(self.width / 2, self.height / 2);
+        let stride = 3 * self.width;
+        for (y, row) in half.pixels.chunks_exact_mut(3 * half.width).enumerate() {
+            let upper = &self.pixels[2 * y * stride..][..stride];
+            let lower = &self.pixels[(2 * y + 1) * stride..][..stride];
+            let pairs = upper.chunks_exact(6).zip(lower.chunks_exact(6));
+            for (pixel, (u, l)) in row.chunks_exact_mut(3).zip(pairs) {
+                for c in 0..3 {
+                    let sum = u16::from(u[c]) + u16::from(u[c + 3]);
+                    let sum = sum + u16::from(l[c]) + u16::from(l[c + 3]);
+                    pixel[c] = ((sum + 2) / 4) as u8;
+                }
+            }
+        }
+        half
+    }
+
+    /// The picture as a PNG file in memory.
+    pub fn png(&self, path: &Path) -> Result<Vec<u8>, FigureError> {
+        let mut bytes = Vec::with_capacity(self.pixels.len() / 8);
+        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::FilterType::Up);
+        encoder.set_pixel_dims(Some(png::PixelDimensions {
+            xppu: PIXELS_PER_METRE,
+            yppu: PIXELS_PER_METRE,
+            unit: png::Unit::Meter,
+        }));
+        encoder
+            .write_header()
+            .and_then(|mut writer| writer.write_image_data(&self.pixels))
+            .map_err(|e| FigureError::Encode {
+                path: path.into(),
+                reason: e.to_string(),
+            })?;
+        Ok(bytes)
+    }
+}
+
+/// Visits the pixels that a line with round ends covers, with the coverage.
+fn cover(
+    (wide, tall): (usize, usize),
+    a: Point,
+    b: Point,
+    width: f64,
+    mut visit: impl FnMut(i64, i64, f32),
+) {
+    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let length2 = (dx * dx + dy * dy).max(1e-12);
+    let steep = dy.abs() > dx.abs();
+    // Runs along the longer direction; at each step covers the line's width across.
+    let (start, end, slope, origin) = if steep {
+        (
+            a.1.min(b.1),
+            a.1.max(b.1),
+            dx / if dy == 0.0 { 1.0 } else { dy },
+            (a.1, a.0),
+        )
+    } else {
+        (
+            a.0.min(b.0),
+            a.0.max(b.0),
+            dy / if dx == 0.0 { 1.0 } else { dx },
+            (a.0, a.1),
+        )
+    };
+    let reach = width / 2.0 + 1.0;
+    let across = reach * (1.0 + slope * slope).sqrt();
+    let limit = if steep { tall } else { wide } as f64;
+    let first = (start - reach).max(0.0).floor() as i64;
+    let last = (end + reach).min(limit).ceil() as i64;
+    for i in first..last {
+        let along = i as f64 + 0.5;
+        let centre = origin.1 + slope * (along.clamp(start, end) - origin.0);
+        for j in (centre - across).floor() as i64..(centre + across).ceil() as i64 {
+            let (x, y) = if steep { (j, i) } else { (i, j) };
+            let p = (x as f64 + 0.5 - a.0, y as f64 + 0.5 - a.1);
+            let t = ((p.0 * dx + p.1 * dy) / length2).clamp(0.0, 1.0);
+            let (ex, ey) = (p.0 - t * dx, p.1 - t * dy);
+            let coverage = width / 2.0 + 0.5 - (ex * ex + ey * ey).sqrt();
+            if coverage > 0.0 {
+                visit(x, y, coverage.min(width) as f32);
+            }
+        }
+    }
+}
