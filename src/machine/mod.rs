@@ -207,9 +207,7 @@ impl Axis {
     /// The stations of the travel, from its first to its last position, m.
     pub fn stations(&self) -> Vec<f64> {
         let [from, to] = self.travel;
-        let intervals = ((to - from).abs() / self.step * (1.0 + 1e-9))
-            .floor()
-            .max(0.0) as usize;
+        let intervals = ((to - from).abs() / self.step * (1.0 + 1e-9)).floor().max(0.0) as usize;
         let sign = if to < from { -1.0 } else { 1.0 };
         // A station is rounded to a picometre so that 0.1 + 0.2 reads as 0.3 in every file.
         let mut stations: Vec<f64> = (0..=intervals)
