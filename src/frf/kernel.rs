@@ -1,6 +1,6 @@
 //! The inner sum in f64: frequencies across the lanes, dispatched at run time on what the processor has.
 //!
-//! For a group of frequencies the modes' weights 1/D_r(f) are computed once (one division serves two modes), then each
+//! For a group of frequencies the modes' weights 1/D_r(f) are computed once (one division serves four modes), then each
 //! pair's residues are summed over them. Real and imaginary parts are interleaved in registers at the end, for which
 //! the grid is laid out in the order that the processor's shuffle expects ([`lay_out`]).
 
@@ -126,13 +126,39 @@ impl Block<'_> {
                 };
             }
             let sums: &[Complex<f64>] = bytemuck::cast_slice(&sums);
-            for (k, row) in values.chunks_exact_mut(n_values).enumerate() {
-                let (vector, lane) = (k / S::F64_LANES, k % S::F64_LANES);
-                let sums = &sums[vector * n_pairs * S::F64_LANES + lane..];
-                for (value, &pair) in row.iter_mut().zip(&packing.pair_of_value) {
-                    *value = sums[pair * S::F64_LANES];
+            for (sums, values) in sums
+                .chunks_exact(n_pairs * S::F64_LANES)
+                .zip(values.chunks_mut(S::F64_LANES * n_values))
+            {
+                match n_values {
+                    1 => scatter::<1>(sums, &packing.pair_of_value, S::F64_LANES, values),
+                    9 => scatter::<9>(sums, &packing.pair_of_value, S::F64_LANES, values),
+                    _ => {
+                        for (k, row) in values.chunks_exact_mut(n_values).enumerate() {
+                            for (value, &pair) in row.iter_mut().zip(&packing.pair_of_value) {
+                                *value = sums[pair * S::F64_LANES + k];
+                            }
+                        }
+                    }
                 }
             }
+        }
+    }
+}
+
+/// One vector's sums `[pair, lane]` into rows of `V` values a frequency.
+#[inline(always)]
+fn scatter<const V: usize>(
+    sums: &[Complex<f64>],
+    pair_of_value: &[usize],
+    lanes: usize,
+    values: &mut [Complex<f64>],
+) {
+    let rows = values.as_chunks_mut::<V>().0;
+    for value in 0..V {
+        let pair = pair_of_value[value];
+        for (row, sum) in rows.iter_mut().zip(&sums[pair * lanes..(pair + 1) * lanes]) {
+            row[value] = *sum;
         }
     }
 }
@@ -206,19 +232,27 @@ fn fill_weights<S: Simd, const W: usize>(
     weights: &mut [Weight<S, W>],
 ) {
     let one = simd.splat_f64s(1.0);
-    let (mode_pairs, mode_rest) = modes.as_chunks::<2>();
-    let (weight_pairs, weight_rest) = weights.as_chunks_mut::<2>();
-    for (mode, weight) in mode_pairs.iter().zip(weight_pairs) {
+    let (mode_fours, mode_rest) = modes.as_chunks::<4>();
+    let (weight_fours, weight_rest) = weights.as_chunks_mut::<4>();
+    for (mode, weight) in mode_fours.iter().zip(weight_fours) {
         for w in 0..W {
-            let (u0, v0, n0) = denominator(simd, &mode[0], f[w]);
-            let (u1, v1, n1) = denominator(simd, &mode[1], f[w]);
-            // 1/n0 = n1 / (n0 n1); the accepted range of frequencies keeps the product inside f64.
-            let inverse = simd.div_f64s(one, simd.mul_f64s(n0, n1));
-            let (i0, i1) = (simd.mul_f64s(inverse, n1), simd.mul_f64s(inverse, n0));
-            weight[0].0[w] = simd.mul_f64s(u0, i0);
-            weight[0].1[w] = simd.mul_f64s(v0, i0);
-            weight[1].0[w] = simd.mul_f64s(u1, i1);
-            weight[1].1[w] = simd.mul_f64s(v1, i1);
+            // Spelled out: a closure would not be compiled for the processor that was found.
+            let d = [
+                denominator(simd, &mode[0], f[w]),
+                denominator(simd, &mode[1], f[w]),
+                denominator(simd, &mode[2], f[w]),
+                denominator(simd, &mode[3], f[w]),
+            ];
+            // 1/n0 = n1 n2 n3 / (n0 n1 n2 n3); the accepted range of frequencies keeps the product inside f64.
+            let (low, high) = (simd.mul_f64s(d[0].2, d[1].2), simd.mul_f64s(d[2].2, d[3].2));
+            let inverse = simd.div_f64s(one, simd.mul_f64s(low, high));
+            let (low, high) = (simd.mul_f64s(inverse, high), simd.mul_f64s(inverse, low));
+            let inverses = [(low, d[1].2), (low, d[0].2), (high, d[3].2), (high, d[2].2)];
+            for k in 0..4 {
+                let inverse = simd.mul_f64s(inverses[k].0, inverses[k].1);
+                weight[k].0[w] = simd.mul_f64s(d[k].0, inverse);
+                weight[k].1[w] = simd.mul_f64s(d[k].1, inverse);
+            }
         }
     }
     for (mode, weight) in mode_rest.iter().zip(weight_rest) {

@@ -169,5 +169,29 @@ fn fill_range(
 
 /// Zeros straight from the system, whose pages the threads then touch first.
 fn zeros(n: usize) -> Vec<Complex<f64>> {
-    bytemuck::allocation::cast_vec(vec![[0.0f64; 2]; n])
+    let mut values: Vec<Complex<f64>> = bytemuck::allocation::cast_vec(vec![[0.0f64; 2]; n]);
+    prefer_huge_pages(&mut values);
+    values
 }
+
+/// Asks for 2 MiB pages: a fresh map otherwise spends more time in page faults than in sums.
+#[cfg(target_os = "linux")]
+fn prefer_huge_pages(values: &mut [Complex<f64>]) {
+    const PAGE: usize = 2 << 20;
+    const MADV_HUGEPAGE: i32 = 14;
+    unsafe extern "C" {
+        fn madvise(address: *mut std::ffi::c_void, length: usize, advice: i32) -> i32;
+    }
+    let start = values.as_mut_ptr().addr().next_multiple_of(PAGE);
+    let end = values.as_mut_ptr_range().end.addr() / PAGE * PAGE;
+    if end > start {
+        let address = values.as_mut_ptr().with_addr(start).cast();
+        // SAFETY: the range lies inside memory that this vector owns, and the advice changes no content. A refusal
+        // leaves small pages, which is as good as no advice.
+        unsafe { madvise(address, end - start, MADV_HUGEPAGE) };
+    }
+}
+
+/// Elsewhere the system chooses its pages.
+#[cfg(not(target_os = "linux"))]
+fn prefer_huge_pages(_: &mut [Complex<f64>]) {}

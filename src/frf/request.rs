@@ -5,11 +5,11 @@ use nalgebra::{Complex, DMatrix};
 use super::FrfError;
 
 /// Lowest frequency above 0 Hz that the sums accept.
-pub const LOWEST_FREQUENCY: f64 = 1e-18;
+pub const LOWEST_FREQUENCY: f64 = 1e-9;
 /// Highest frequency that the sums accept.
-pub const HIGHEST_FREQUENCY: f64 = 1e18;
+pub const HIGHEST_FREQUENCY: f64 = 1e12;
 /// 2 zeta + eta below which a mode counts as undamped.
-const NO_DAMPING: f64 = 1e-30;
+const NO_DAMPING: f64 = 1e-16;
 
 /// Modal model of the machine at one position, as the sums see it.
 ///
@@ -182,7 +182,7 @@ impl FrfRequest<'_> {
                 system.loss_factors[mode],
             );
             if !in_range(f) {
-                return Err(bad("the frequency in Hz", f, "0 and 1e-18 to 1e18"));
+                return Err(bad("the frequency in Hz", f, "0 and 1e-9 to 1e12"));
             }
             if !(0.0..=1e6).contains(&zeta) {
                 return Err(bad("the damping ratio", zeta, "0 to 1e6"));
