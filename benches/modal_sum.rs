@@ -1,10 +1,12 @@
 //! The modal sum on the processor at the main job's size: 121 positions x 2000 frequencies x 30 modes, 3 x 3.
+//! The devices, how long it takes to list and open them, and every back end in one run.
 //! `cargo bench --bench modal_sum`
 
 use std::time::Instant;
 
 use nalgebra::Complex;
 use stiffmap::frf::{metrics, modal_sum, modal_sum_into};
+use stiffmap::gpu::{self, Gpu, Precision};
 
 #[path = "../tests/modal_fixture/mod.rs"]
 mod modal_fixture;
@@ -29,6 +31,36 @@ fn main() {
     report("metrics of the direct pairs, refined", || {
         drop(metrics::metrics(&request, &map, &pairs).expect("a good request"));
     });
+    devices(&request, &pairs);
+}
+
+fn devices(request: &stiffmap::frf::FrfRequest, pairs: &[(usize, usize)]) {
+    let start = Instant::now();
+    let adapters = gpu::list_adapters();
+    println!(
+        "listing adapters: {:.1} ms",
+        1e3 * start.elapsed().as_secs_f64()
+    );
+    adapters.iter().for_each(|a| println!("  {a:?}"));
+    let start = Instant::now();
+    let Ok(gpu) = Gpu::open() else {
+        return println!("no adapter");
+    };
+    println!(
+        "opening {}: {:.1} ms",
+        gpu.adapter().name,
+        1e3 * start.elapsed().as_secs_f64()
+    );
+    for precision in [Precision::F32, Precision::F64] {
+        println!("{:?}", gpu::trust::check(&gpu, precision));
+    }
+    report("extrema on the device, f32, refined", || {
+        drop(gpu::metrics::metrics(&gpu, request, pairs, Precision::F32).expect("a good request"));
+    });
+    for row in gpu::bench::measure(&gpu::bench::BenchRequest::default()).expect("the device works")
+    {
+        println!("{row:?}");
+    }
 }
 
 fn report(name: &str, mut run: impl FnMut()) {

@@ -20,6 +20,7 @@ mod tiles;
 pub use error::FrfError;
 pub use grid::FrequencyGrid;
 pub use map::ComplianceMap;
+pub(crate) use modal_sum::zeros;
 pub use modal_sum::{modal_sum, modal_sum_into, modal_sum_tiles};
 pub use packing::{Denominator, PackedSystem, Packing};
 pub use request::{FrfRequest, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, ModalSystem, Quantity};

@@ -168,7 +168,7 @@ fn fill_range(
 }
 
 /// Zeros straight from the system, whose pages the threads then touch first.
-fn zeros(n: usize) -> Vec<Complex<f64>> {
+pub(crate) fn zeros(n: usize) -> Vec<Complex<f64>> {
     let mut values: Vec<Complex<f64>> = bytemuck::allocation::cast_vec(vec![[0.0f64; 2]; n]);
     prefer_huge_pages(&mut values);
     values
