@@ -1,0 +1,81 @@
+//! The modal sum on the processor at the main job's size: 121 positions x 2000 frequencies x 30 modes, 3 x 3.
+//! The devices, how long it takes to list and open them, and every back end in one run.
+//! `cargo bench --bench modal_sum`
+
+use std::time::Instant;
+
+use nalgebra::Complex;
+use stiffmap::frf::{metrics, modal_sum, modal_sum_into};
+use stiffmap::gpu::{self, Gpu, Precision};
+
+#[path = "../tests/modal_fixture/mod.rs"]
+mod modal_fixture;
+use modal_fixture::{Case, Numbers, symmetric_system};
+
+fn main() {
+    let mut numbers = Numbers(1);
+    let systems = (0..121)
+        .map(|_| symmetric_system(&mut numbers, 3, 30, 0.02))
+        .collect();
+    let case = Case::new(systems, (0..2000).map(|i| 0.5 * i as f64).collect());
+    let request = case.request();
+    let mut values = vec![Complex::default(); request.len()];
+    report("modal_sum_into, f64", || {
+        modal_sum_into(&request, &mut values).expect("a good request")
+    });
+    report("modal_sum, f64, memory included", || {
+        drop(modal_sum(&request).expect("a good request"))
+    });
+    let map = modal_sum(&request).expect("a good request");
+    let pairs = metrics::direct_pairs(&request);
+    report("metrics of the direct pairs, refined", || {
+        drop(metrics::metrics(&request, &map, &pairs).expect("a good request"));
+    });
+    devices(&request, &pairs);
+}
+
+fn devices(request: &stiffmap::frf::FrfRequest, pairs: &[(usize, usize)]) {
+    let start = Instant::now();
+    let adapters = gpu::list_adapters();
+    println!(
+        "listing adapters: {:.1} ms",
+        1e3 * start.elapsed().as_secs_f64()
+    );
+    adapters.iter().for_each(|a| println!("  {a:?}"));
+    let start = Instant::now();
+    let Ok(gpu) = Gpu::open() else {
+        return println!("no adapter");
+    };
+    println!(
+        "opening {}: {:.1} ms",
+        gpu.adapter().name,
+        1e3 * start.elapsed().as_secs_f64()
+    );
+    for precision in [Precision::F32, Precision::F64] {
+        println!("{:?}", gpu::trust::check(&gpu, precision));
+    }
+    report("extrema on the device, f32, refined", || {
+        drop(gpu::metrics::metrics(&gpu, request, pairs, Precision::F32).expect("a good request"));
+    });
+    for row in gpu::bench::measure(&gpu::bench::BenchRequest::default()).expect("the device works")
+    {
+        println!("{row:?}");
+    }
+}
+
+fn report(name: &str, mut run: impl FnMut()) {
+    run();
+    let mut seconds: Vec<f64> = (0..20)
+        .map(|_| {
+            let start = Instant::now();
+            run();
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    println!(
+        "{name}: median {:.2} ms, least {:.2} ms",
+        1e3 * seconds[seconds.len() / 2],
+        1e3 * seconds[0]
+    );
+}

@@ -1,0 +1,159 @@
+//! Extrema of every pair at every position, found on the device: a sweep reads back a few numbers instead of a map.
+
+use bytemuck::Pod;
+
+use crate::frf::metrics::{GridExtrema, PairMetrics, refine};
+use crate::frf::{FrfRequest, Packing};
+
+use super::modal_sum::plan;
+use super::model::Model;
+use super::shader::{Extrema, Kernel, LANES, Precision, Variant, WORKGROUP};
+use super::{Gpu, GpuError};
+
+/// Frequencies that one workgroup reduces to one record.
+const CHUNK: usize = (WORKGROUP * LANES) as usize;
+
+/// Metrics as [`crate::frf::metrics::metrics`], with the grid searched on the device and the refinement in f64.
+///
+/// # Errors
+/// As [`grid_extrema`] and [`refine`].
+///
+/// # Accuracy
+/// As [`refine`]: the values are those of the full sum in f64; the device only says where to look.
+pub fn metrics(
+    gpu: &Gpu,
+    request: &FrfRequest,
+    pairs: &[(usize, usize)],
+    precision: Precision,
+) -> Result<Vec<Vec<PairMetrics>>, GpuError> {
+    let grid = grid_extrema(gpu, request, pairs, precision)?;
+    Ok(refine(request, pairs, &grid)?)
+}
+
+/// Extrema on the grid, `[position][pair]`: as [`crate::frf::metrics::grid_extrema`] without a map.
+///
+/// # Errors
+/// As [`super::modal_sum`].
+///
+/// # Accuracy
+/// Of frequencies whose values differ by less than the device's rounding either may be named.
+pub fn grid_extrema(
+    gpu: &Gpu,
+    request: &FrfRequest,
+    pairs: &[(usize, usize)],
+    precision: Precision,
+) -> Result<Vec<Vec<GridExtrema>>, GpuError> {
+    request.check()?;
+    let packing = Packing::new(request);
+    let wanted: Vec<usize> = pairs
+        .iter()
+        .map(|(i, j)| packing.pair_of_value[i * request.inputs.len() + j])
+        .collect();
+    let search = Search {
+        gpu,
+        request,
+        precision,
+        wanted,
+    };
+    match precision {
+        Precision::F32 => search.run::<f32>(packing),
+        Precision::F64 => search.run::<f64>(packing),
+    }
+}
+
+struct Search<'a> {
+    gpu: &'a Gpu,
+    request: &'a FrfRequest<'a>,
+    precision: Precision,
+    wanted: Vec<usize>,
+}
+
+/// A pair's best so far, with indices in the whole grid.
+#[derive(Clone, Copy)]
+struct Best {
+    peak: f64,
+    real_part: f64,
+    at: GridExtrema,
+}
+
+impl Search<'_> {
+    fn run<T: Pod + Into<f64>>(&self, packing: Packing) -> Result<Vec<Vec<GridExtrema>>, GpuError>
+    where
+        Extrema<T>: Pod,
+    {
+        let (gpu, request) = (self.gpu, self.request);
+        let n_pairs = packing.pairs.len();
+        let variant = Variant::new(Kernel::Metrics, self.precision, n_pairs);
+        let pipeline = gpu.kernels().get(gpu, variant)?;
+        let model = Model::new(request, packing, variant.duos);
+        // A record stands for up to CHUNK frequencies; counting one a frequency keeps tiles small enough to overlap.
+        let ranges = plan(
+            gpu,
+            request,
+            &model,
+            self.precision,
+            2 * self.precision.bytes() * n_pairs as u64,
+            0,
+        )?;
+        let nothing = Best {
+            peak: f64::NEG_INFINITY,
+            real_part: f64::INFINITY,
+            at: GridExtrema {
+                peak: 0,
+                most_negative_real: 0,
+            },
+        };
+        let mut best = vec![vec![nothing; self.wanted.len()]; request.positions.len()];
+        let mut slots = gpu.buffers();
+        let mut flying = None;
+        for (i, range) in ranges.iter().map(Some).chain([None]).enumerate() {
+            let next = match range {
+                None => None,
+                Some(range) => {
+                    let frequencies = &request.frequencies[range.frequencies.clone()];
+                    let tile = model.tile(self.precision, range.positions.clone(), frequencies);
+                    let chunks = range.frequencies.len().div_ceil(CHUNK);
+                    let workgroups = [
+                        chunks as u32,
+                        range.positions.len() as u32,
+                        model.groups(variant.duos),
+                    ];
+                    let bytes = range.positions.len() * chunks * n_pairs * size_of::<Extrema<T>>();
+                    let tile =
+                        slots[i % 2].submit(gpu, &pipeline, &tile, workgroups, bytes as u64)?;
+                    Some((range, chunks, i % 2, tile))
+                }
+            };
+            if let Some((range, chunks, slot, tile)) = std::mem::replace(&mut flying, next) {
+                let best = &mut best[range.positions.clone()];
+                slots[slot].read(gpu, tile, |bytes| {
+                    let records: &[Extrema<T>] = bytemuck::cast_slice(bytes);
+                    for (row, record) in records.chunks_exact(n_pairs).enumerate() {
+                        self.merge(&mut best[row / chunks], record, range.frequencies.start);
+                    }
+                    Ok(())
+                })?;
+            }
+        }
+        gpu.keep(slots);
+        Ok(best
+            .into_iter()
+            .map(|pairs| pairs.into_iter().map(|b| b.at).collect())
+            .collect())
+    }
+
+    /// Chunks come in the grid's order, so the first of equal values stays.
+    fn merge<T: Pod + Into<f64>>(&self, best: &mut [Best], records: &[Extrema<T>], first: usize) {
+        for (best, &pair) in best.iter_mut().zip(&self.wanted) {
+            let record = &records[pair];
+            if record.peak.into() > best.peak {
+                best.peak = record.peak.into();
+                best.at.peak = first + record.peak_at as usize;
+            }
+            if record.real_part.into() < best.real_part {
+                best.real_part = record.real_part.into();
+                best.at.most_negative_real = first + record.real_part_at as usize;
+            }
+        }
+    }
+}
