@@ -1,7 +1,7 @@
 //! Numbers as text, fast: a surface file has hundreds of thousands.
 //!
 //! Nine significant digits come from one multiplication by a power of ten and an integer
-//! conversion, at a fifth of the time of the standard library's exact printing. The last digit may be
+//! conversion, in a third of the time of `{:.8e}` (50 against 150 ns). The last digit may be
 //! off by one where the tenth is a near-tie.
 
 /// Significant digits after the first that [`scientific`] writes.
