@@ -1,7 +1,7 @@
 //! Numbers as text, fast: a surface file has hundreds of thousands.
 //!
 //! Nine significant digits come from one multiplication by a power of ten and an integer
-//! conversion, at a fifth of the time of the standard library's exact printing. The last digit may be
+//! conversion, in a third of the time of `{:.8e}` (50 against 150 ns). The last digit may be
 //! off by one where the tenth is a near-tie.
 
 /// Significant digits after the first that [`scientific`] writes.
@@ -66,7 +66,12 @@ fn decade(value: f64) -> i32 {
 
 /// value 10^power to the nearest integer.
 fn scaled(value: f64, power: i32) -> u64 {
-    let factor = |p: i32| POWERS.get(p as usize).copied().unwrap_or_else(|| 10_f64.powi(p));
+    let factor = |p: i32| {
+        POWERS
+            .get(p as usize)
+            .copied()
+            .unwrap_or_else(|| 10_f64.powi(p))
+    };
     let product = if power > 300 {
         value * factor(300) * factor(power - 300)
     } else if power >= 0 {
@@ -79,8 +84,8 @@ fn scaled(value: f64, power: i32) -> u64 {
 
 /// The powers of ten that are exact in f64.
 const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
-    1e18, 1e19, 1e20, 1e21, 1e22,
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
 fn put(digits: &mut [u8], mut value: u64) {
@@ -121,7 +126,7 @@ mod tests {
                 1.0,
                 1.000000004,
                 2.5,
-                3.141592653589793,
+                3.333333333333333,
                 9.99999999,
                 9.9999999999,
             ] {

@@ -102,31 +102,30 @@ impl Canvas {
         }
     }
 
-    /// Fills the pixels whose centres lie in a triangle.
+    /// Fills the pixels whose centres lie in a triangle; of a shared edge, those of one side.
     pub fn triangle(&mut self, mut p: [Point; 3], colour: Colour) {
         p.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let first = (p[0].1 - 0.5).ceil().max(0.0) as usize;
-        let last = (p[2].1 - 0.5).floor().min(self.height as f64 - 1.0);
-        if last < 0.0 {
-            return;
-        }
-        let cross = |a: Point, b: Point, y: f64| a.0 + (b.0 - a.0) * (y - a.1) / (b.1 - a.1);
-        for row in first..=last as usize {
+        // Pixels from round(low) up to round(high), exclusive, have their centres between.
+        let pixel = |v: f64, limit: usize| ((v + 0.5).max(0.0) as usize).min(limit);
+        let (first, last) = (pixel(p[0].1, self.height), pixel(p[2].1, self.height));
+        let slope = |a: Point, b: Point| {
+            let rise = b.1 - a.1;
+            if rise > 0.0 { (b.0 - a.0) / rise } else { 0.0 }
+        };
+        let (long, upper, lower) = (slope(p[0], p[2]), slope(p[0], p[1]), slope(p[1], p[2]));
+        for row in first..last {
             let y = row as f64 + 0.5;
-            let long = cross(p[0], p[2], y);
-            let short = if y < p[1].1 {
-                cross(p[0], p[1], y)
+            let x = p[0].0 + long * (y - p[0].1);
+            let other = if y < p[1].1 {
+                p[0].0 + upper * (y - p[0].1)
             } else {
-                cross(p[1], p[2], y)
+                p[1].0 + lower * (y - p[1].1)
             };
-            let short = if short.is_finite() { short } else { p[1].0 };
-            let from = (long.min(short) - 0.5).ceil().max(0.0) as usize;
-            let to = (long.max(short) - 0.5).floor().min(self.width as f64 - 1.0);
-            if to >= from as f64 {
-                let row = &mut self.pixels[3 * row * self.width..];
-                for pixel in row[3 * from..3 * (to as usize + 1)].chunks_exact_mut(3) {
-                    pixel.copy_from_slice(&colour);
-                }
+            let from = pixel(x.min(other), self.width);
+            let to = pixel(x.max(other), self.width);
+            let start = 3 * row * self.width;
+            for pixel in self.pixels[start + 3 * from..start + 3 * to].chunks_exact_mut(3) {
+                pixel.copy_from_slice(&colour);
             }
         }
     }

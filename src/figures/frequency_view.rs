@@ -29,15 +29,19 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field) -> Canvas {
     let across: Vec<(usize, f64)> = (left..right)
         .map(|x| {
             let t = (x as f64 + 0.5 - frame.left) / (frame.right - frame.left);
-            between(&field.positions, frame.x.low + t * (frame.x.high - frame.x.low))
+            between(
+                &field.positions,
+                frame.x.low + t * (frame.x.high - frame.x.low),
+            )
         })
         .collect();
-    for k in 0..bottom - top {
+    let mut paint = |row: usize| {
         for (x, &(i, weight)) in (left..right).zip(&across) {
-            let (a, b) = (columns[i][k], columns[i + 1][k]);
-            canvas.set(x, bottom - 1 - k, viridis(a + (b - a) * weight));
+            let (a, b) = (columns[i][row], columns[i + 1][row]);
+            canvas.set(x, bottom - 1 - row, viridis(a + (b - a) * weight));
         }
-    }
+    };
+    (0..bottom - top).for_each(&mut paint);
     let heading = format!("{heading}, frequency view");
     frame.axes(
         &mut canvas,

@@ -15,6 +15,7 @@
 //! the files: the surface needs its own order of drawing, and print needs even letter spacing.
 
 mod amplitude_view;
+mod box_view;
 mod canvas;
 mod colour;
 mod curve;

@@ -15,7 +15,7 @@ fn noise(k: usize) -> f64 {
 /// Frequency of a mode at a position between 0 and 1, Hz: moves by up to 30 %.
 fn frequency(mode: usize, t: f64) -> f64 {
     let base = 14.0 + 23.0 * mode as f64 + 6.0 * noise(mode);
-    let change = 0.3 * (noise(mode + 100) - 0.5) * if mode % 3 == 0 { 1.0 } else { 0.4 };
+    let change = 0.3 * (noise(mode + 100) - 0.5) * if mode.is_multiple_of(3) { 1.0 } else { 0.4 };
     base * (1.0 + change * (2.2 * t + 0.6 * noise(mode + 200)).sin())
 }
 
@@ -57,8 +57,10 @@ pub fn mill(n_position: usize, n_frequency: usize) -> (ModeFamilies, ComplianceM
         modes.push(tracked.collect());
         let shape = |m: usize, i: usize| {
             let sign = noise(7 * m + i) - 0.5;
-            0.02 * sign * (1.0 + 0.8 * t * noise(m + 31 * i)) * (1.0 + 0.6 * m as f64).powf(0.8)
+            let place = 1.0 + 0.8 * t * noise(m + 31 * i);
+            0.02 * sign * place * (1.0 + 0.6 * m as f64).powf(0.8)
         };
+        let shapes: Vec<[f64; 3]> = (0..MODES).map(|m| [0, 1, 2].map(|i| shape(m, i))).collect();
         for f in &frequencies {
             let omega = std::f64::consts::TAU * f;
             let terms: Vec<Complex<f64>> = found
@@ -70,8 +72,13 @@ pub fn mill(n_position: usize, n_frequency: usize) -> (ModeFamilies, ComplianceM
                 .collect();
             for i in 0..3 {
                 for j in 0..3 {
-                    let sum = terms.iter().enumerate();
-                    values.push(sum.map(|(m, t)| t * shape(m, i) * shape(m, j)).sum());
+                    values.push(
+                        terms
+                            .iter()
+                            .zip(&shapes)
+                            .map(|(t, s)| t * s[i] * s[j])
+                            .sum(),
+                    );
                 }
             }
         }
