@@ -2,12 +2,14 @@
 //!
 //! An eigenvector of the coupled machine obeys (Lambda - omega^2) x = -B^T f, so in the coordinates
 //! above the kept band x = (Lambda^-1 + omega^2 Lambda^-2 + ..) B^T f. The basis keeps every
-//! coordinate in the band and, above it, the span of Lambda^-1 b and omega_b^2 Lambda^-2 b of every
-//! spring and port at training positions, cut by a singular value decomposition in the energy norm.
+//! coordinate in the band; above it, the static term is carried exactly, at every position, by a
+//! residual flexibility in series with the joints, and the inertia of the responses by a few
+//! directions: the span of Lambda^-1 b and Lambda^-2 b of every spring and port over the travel, cut
+//! by a singular value decomposition in the mass norm (what is cut has no inertia to speak of).
 
 use super::CouplingError;
-use super::model::SideBySide;
-use crate::linalg::{multiply, multiply_transposed, orthonormal_span, symmetric_eigen, independent_directions};
+use super::side_by_side::SideBySide;
+use crate::linalg::{multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -16,16 +18,15 @@ use std::f64::consts::TAU;
 pub struct BasisOptions {
     /// Component coordinates up to this frequency are kept, Hz.
     pub band: f64,
-    /// Singular values (of unit static responses in the energy norm) below this are cut.
+    /// Inertia of a static response that may be cut, as a share of the joint's own flexibility at a
+    /// third of the band; the square root of it.
     pub tolerance: f64,
-    /// Directions above this frequency are cut, Hz: the dense eigensolver's absolute error grows with the largest eigenvalue.
-    pub highest: f64,
 }
 
 impl BasisOptions {
     /// For frequencies up to `band` (Hz).
     pub fn for_band(band: f64) -> Self {
-        Self { band: 3.0 * band, tolerance: 1e-4, highest: 1e5 }
+        Self { band: 3.0 * band, tolerance: 1e-3 }
     }
 }
 
@@ -35,79 +36,130 @@ const STIFFEST: f64 = 4.0;
 /// Training positions lie at most this share of the shortest footprint apart.
 const SPACING: f64 = 0.28;
 
-/// Eigenvalues in the basis, (rad/s)^2, and the basis over the side-by-side coordinates, orthonormal.
-pub(super) fn fixed_basis(machine: &SideBySide, options: BasisOptions) -> Result<(DVector<f64>, DMatrix<f64>), CouplingError> {
-    let n = machine.n();
-    let edge = (TAU * options.band).powi(2);
-    let low: Vec<usize> = (0..n).filter(|&i| machine.eigenvalues[i] <= edge).collect();
-    let high: Vec<usize> = (0..n).filter(|&i| machine.eigenvalues[i] > edge).collect();
-    let lambda: Vec<f64> = high.iter().map(|&i| machine.eigenvalues[i]).collect();
-    // The frequency at which second moments are weighed: a third of the kept band, where results are wanted.
-    let omega_squared = edge / 9.0;
+/// Coordinates kept as they are, and directions in the others.
+#[derive(Clone, Debug)]
+pub(super) struct FixedBasis {
+    /// Side-by-side coordinates in the band.
+    pub low: Vec<usize>,
+    /// The other side-by-side coordinates.
+    pub high: Vec<usize>,
+    /// Eigenvalues of the high coordinates, (rad/s)^2.
+    pub high_eigenvalues: Vec<f64>,
+    /// Orthonormal directions in the high coordinates that also diagonalise their stiffness, n_high x n_u.
+    pub directions: DMatrix<f64>,
+    /// Eigenvalues of all kept coordinates, low ones first, (rad/s)^2.
+    pub eigenvalues: DVector<f64>,
+}
 
-    let mut columns: Vec<DVector<f64>> = Vec::new();
-    // A spring in series with the flexibility c = b^T Lambda^-1 b of what is cut: its share c / (c + 1/k)
-    // says how much the cut matters, at the stiffest k that a design may have.
-    let mut push = |row: Vec<f64>, flexibility: f64| {
-        let unit = (row.iter().zip(&lambda).map(|(b, l)| b * b / l).sum::<f64>() + flexibility).sqrt();
-        if unit > 0.0 {
-            let first = DVector::from_iterator(row.len(), row.iter().zip(&lambda).map(|(b, l)| b / (unit * l.sqrt())));
-            let second = DVector::from_iterator(row.len(), first.iter().zip(&lambda).map(|(v, l)| v * omega_squared / l));
-            columns.push(first);
-            columns.push(second);
+impl FixedBasis {
+    /// Forms the basis of a machine.
+    pub fn new(machine: &SideBySide, options: BasisOptions) -> Result<Self, CouplingError> {
+        let n = machine.n();
+        let edge = (TAU * options.band).powi(2);
+        let (low, high): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| machine.eigenvalues[i] <= edge);
+        let high_eigenvalues: Vec<f64> = high.iter().map(|&i| machine.eigenvalues[i]).collect();
+        let mut basis = Self { low, high, high_eigenvalues, directions: DMatrix::zeros(0, 0), eigenvalues: DVector::zeros(0) };
+        let responses = basis.training_responses(machine, edge / 9.0)?;
+        let span = orthonormal_span(&responses, options.tolerance)?;
+        let mut weighted = span.clone();
+        for (mut row, l) in weighted.row_iter_mut().zip(&basis.high_eigenvalues) {
+            row *= *l;
         }
-    };
-    let select = |rows: &DMatrix<f64>, s: usize| -> Vec<f64> { high.iter().map(|&i| rows[(s, i)]).collect() };
-    for port in machine.outputs.iter().chain(&machine.inputs) {
-        push(high.iter().map(|&i| port.row[i]).collect(), 0.0);
+        let stiffness = multiply_transposed(&span, &weighted);
+        let eigen = symmetric_eigen(&(0.5 * (&stiffness + stiffness.transpose())))?;
+        basis.directions = multiply(&span, &eigen.vectors);
+        let kept = basis.low.iter().map(|&i| machine.eigenvalues[i]).chain(eigen.values.iter().copied());
+        basis.eigenvalues = DVector::from_vec(kept.collect());
+        Ok(basis)
     }
-    let positions = training_positions(machine);
-    let rows = positions.iter().map(|&p| machine.rows(p)).collect::<Result<Vec<_>, _>>()?;
-    let stiffness = positions.iter().map(|&p| machine.stiffness(p)).collect::<Result<Vec<_>, _>>()?;
-    for s in 0..rows[0].nrows() {
-        let stiffest = STIFFEST * stiffness.iter().map(|k| k[s]).fold(0.0, f64::max);
-        let flexibility = if stiffest > 0.0 { 1.0 / stiffest } else { 0.0 };
-        let mut previous: Option<Vec<f64>> = None;
-        for rows in &rows {
-            let row = select(rows, s);
-            // A spring whose row does not change with the position is trained once.
-            if previous.as_ref() != Some(&row) {
-                push(row.clone(), flexibility);
-                previous = Some(row);
+
+    /// Columns omega Lambda^-1 b and omega^3 Lambda^-2 b, relative to each spring's own flexibility
+    /// in series with that of the high coordinates.
+    fn training_responses(&self, machine: &SideBySide, omega_squared: f64) -> Result<DMatrix<f64>, CouplingError> {
+        let lambda = &self.high_eigenvalues;
+        let mut columns: Vec<DVector<f64>> = Vec::new();
+        let mut push = |row: &[f64], flexibility: f64| {
+            let unit = (row.iter().zip(lambda).map(|(b, l)| b * b / l).sum::<f64>() + flexibility).sqrt();
+            if unit > 0.0 {
+                let scale = omega_squared.sqrt() / unit;
+                let first = DVector::from_iterator(row.len(), row.iter().zip(lambda).map(|(b, l)| scale * b / l));
+                columns.push(DVector::from_iterator(row.len(), first.iter().zip(lambda).map(|(v, l)| v * omega_squared / l)));
+                columns.push(first);
+            }
+        };
+        for port in machine.outputs.iter().chain(&machine.inputs) {
+            push(&self.high.iter().map(|&i| port.row[i]).collect::<Vec<_>>(), 0.0);
+        }
+        let positions = training_positions(machine);
+        let rows = positions.iter().map(|&p| machine.rows(p)).collect::<Result<Vec<_>, _>>()?;
+        let stiffness = positions.iter().map(|&p| machine.stiffness(p)).collect::<Result<Vec<_>, _>>()?;
+        for s in 0..rows[0].nrows() {
+            let stiffest = STIFFEST * stiffness.iter().map(|k| k[s]).fold(0.0, f64::max);
+            let flexibility = if stiffest > 0.0 { 1.0 / stiffest } else { 0.0 };
+            let mut previous: Option<Vec<f64>> = None;
+            for rows in &rows {
+                let row: Vec<f64> = self.high.iter().map(|&i| rows[(s, i)]).collect();
+                // A spring whose row does not change with the position is trained once.
+                if previous.as_ref() != Some(&row) {
+                    push(&row, flexibility);
+                    previous = Some(row);
+                }
             }
         }
+        Ok(if columns.is_empty() { DMatrix::zeros(self.high.len(), 0) } else { DMatrix::from_columns(&columns) })
     }
-    let energy_span = orthonormal_span(&DMatrix::from_columns(&columns), options.tolerance)?;
-    // Back from the energy norm: x = Lambda^-1/2 y, then orthonormal in the mass norm.
-    let mut vectors = energy_span;
-    for (mut row, l) in vectors.row_iter_mut().zip(&lambda) {
-        row /= l.sqrt();
-    }
-    let vectors = multiply(&vectors, &independent_directions(&multiply_transposed(&vectors, &vectors), 1e-14)?);
-    let mut weighted = vectors.clone();
-    for (mut row, l) in weighted.row_iter_mut().zip(&lambda) {
-        row *= *l;
-    }
-    let stiffness = multiply_transposed(&vectors, &weighted);
-    let eigen = symmetric_eigen(&(0.5 * (&stiffness + stiffness.transpose())))?;
-    let limit = (TAU * options.highest).powi(2);
-    let kept = eigen.values.iter().take_while(|l| **l <= limit).count();
-    let vectors = multiply(&vectors, &eigen.vectors.columns(0, kept).into_owned());
 
-    let mut basis = DMatrix::zeros(n, low.len() + kept);
-    for (k, &i) in low.iter().enumerate() {
-        basis[(i, k)] = 1.0;
+    /// Coordinates.
+    pub fn n(&self) -> usize {
+        self.eigenvalues.len()
     }
-    for (row, &i) in high.iter().enumerate() {
-        for k in 0..kept {
-            basis[(i, low.len() + k)] = vectors[(row, k)];
+
+    /// Rows over the side-by-side coordinates as rows over the basis.
+    pub fn project(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        let low = DMatrix::from_fn(rows.nrows(), self.low.len(), |s, k| rows[(s, self.low[k])]);
+        let high = multiply(&self.high_of(rows), &self.directions);
+        let mut out = low.resize_horizontally(self.n(), 0.0);
+        out.columns_mut(self.low.len(), high.ncols()).copy_from(&high);
+        out
+    }
+
+    /// Static flexibility of rows that the basis leaves out: R_h (Lambda_h^-1 - U (U^T Lambda_h U)^-1 U^T) R_h^T.
+    ///
+    /// `part` restricts it to the coordinates for which it says so.
+    pub fn residual_flexibility(&self, rows: &DMatrix<f64>, part: impl Fn(usize) -> bool) -> DMatrix<f64> {
+        let mut high = self.high_of(rows);
+        for (mut column, &i) in high.column_iter_mut().zip(&self.high) {
+            if !part(i) {
+                column.fill(0.0);
+            }
         }
+        let mut kept = multiply(&high, &self.directions);
+        for (mut column, l) in kept.column_iter_mut().zip(self.eigenvalues.iter().skip(self.low.len())) {
+            column /= l.sqrt();
+        }
+        for (mut column, l) in high.column_iter_mut().zip(&self.high_eigenvalues) {
+            column /= l.sqrt();
+        }
+        multiply(&high, &high.transpose()) - multiply(&kept, &kept.transpose())
     }
-    let mut order: Vec<(f64, usize)> = low.iter().map(|&i| machine.eigenvalues[i]).chain(eigen.values.iter().take(kept).copied()).zip(0..).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let values = DVector::from_iterator(order.len(), order.iter().map(|(l, _)| *l));
-    let basis = DMatrix::from_fn(n, order.len(), |i, k| basis[(i, order[k].1)]);
-    Ok((values, basis))
+
+    /// The basis as a matrix over the side-by-side coordinates, n_side_by_side x n.
+    pub fn matrix(&self) -> DMatrix<f64> {
+        let mut q = DMatrix::zeros(self.low.len() + self.high.len(), self.n());
+        for (k, &i) in self.low.iter().enumerate() {
+            q[(i, k)] = 1.0;
+        }
+        for (h, &i) in self.high.iter().enumerate() {
+            for u in 0..self.directions.ncols() {
+                q[(i, self.low.len() + u)] = self.directions[(h, u)];
+            }
+        }
+        q
+    }
+
+    fn high_of(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(rows.nrows(), self.high.len(), |s, k| rows[(s, self.high[k])])
+    }
 }
 
 /// Positions over the whole travel, at most a fraction of a footprint apart.

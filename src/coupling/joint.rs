@@ -22,7 +22,7 @@ pub struct CoupledSpring {
     pub damping: f64,
 }
 
-/// A joint between two sides in reduced coordinates.
+/// A joint between two sides, over the coordinates of the superelements side by side.
 #[derive(Clone, Debug)]
 pub struct CoupledJoint {
     /// Name.
@@ -55,24 +55,7 @@ pub(super) enum SideSurface {
     Rail(ReducedRail),
 }
 
-impl Side {
-    /// The same side seen through a basis: its columns times the basis's rows.
-    pub fn project(&self, basis: &DMatrix<f64>) -> Self {
-        let through = |rows: &DMatrix<f64>| crate::linalg::multiply(rows, &basis.rows(self.first_column, rows.ncols()).into_owned());
-        let surface = match &self.surface {
-            SideSurface::Fixed(interface) => SideSurface::Fixed(ReducedInterface { rows: through(&interface.rows), ..interface.clone() }),
-            SideSurface::Rail(rail) => SideSurface::Rail(ReducedRail { basis: through(&rail.basis), ..rail.clone() }),
-        };
-        Self { first_column: 0, moves: self.moves, surface }
-    }
-}
-
 impl CoupledJoint {
-    /// The joint seen through a basis.
-    pub(super) fn project(&self, basis: &DMatrix<f64>) -> Self {
-        Self { sides: [self.sides[0].project(basis), self.sides[1].project(basis)], ..self.clone() }
-    }
-
     /// Rows b(p) of its springs, n_springs x n: motion of side 1 minus motion of side 0 at the joint's point.
     pub(super) fn rows(&self, position: f64, axis: &Axis, n: usize) -> Result<DMatrix<f64>, CouplingError> {
         let mut out = DMatrix::zeros(self.springs.len(), n);

@@ -9,17 +9,20 @@
 //!
 //! On a rail b(p) is formed from the area weights of the footprint under the carriage, so it is
 //! continuous and exact at every p. A fixed basis for all positions and all joint stiffnesses brings
-//! the side-by-side coordinates (some 600) to some 150: the component modes of the band's
-//! neighbourhood and the joints' static and second-moment vectors over the whole travel.
+//! the side-by-side coordinates (some 800) to some 200: the component modes of the band's
+//! neighbourhood, the inertia of the joints' static responses over the whole travel, and, in series
+//! with the joints, the static flexibility of all the rest, exact at every position.
 
 mod basis;
 mod joint;
 mod model;
+mod side_by_side;
 mod training;
 
 pub use basis::BasisOptions;
 pub use joint::{CoupledJoint, CoupledSpring};
-pub use model::{CoupledModel, PortRow, SideBySide, couple};
+pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};
+pub use side_by_side::{PortRow, SideBySide};
 pub use training::reduction_requests;
 
 use crate::linalg::LinalgError;

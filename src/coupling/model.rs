@@ -1,193 +1,86 @@
-//! The coupled machine: side by side, and in its fixed basis.
+//! The coupled machine in its fixed basis.
+//!
+//! With B, P the rows of springs and ports over the basis, C their residual flexibility and
+//! D = diag(k), the springs' forces on the basis are f = D' (B z + C_BP f_P), where
+//! D' = (D^-1 + C_BB)^-1 is the joint in series with the residual flexibility. Then
+//!
+//! ```text
+//! z'' + (Lambda + B^T D' B) z = P'^T f_P        P' = P - C_PB D' B
+//! u_P = P' z + (C_PP - C_PB D' C_BP) f_P
+//! ```
 
-use super::basis::{BasisOptions, fixed_basis};
-use super::joint::{CoupledJoint, CoupledSpring, Side, SideSurface};
 use super::CouplingError;
-use crate::linalg::{count_negative, multiply, multiply_transposed};
-use crate::machine::{Axis, JointPoint, Machine};
+use super::basis::{BasisOptions, FixedBasis};
+use super::joint::CoupledJoint;
+use super::side_by_side::{PortRow, SideBySide};
+use crate::linalg::{multiply, multiply_transposed};
+use crate::machine::{Axis, Machine};
 use crate::reduction::Superelement;
-use crate::solid::rotation_arm;
-use nalgebra::{DMatrix, DVector, RowDVector};
+use nalgebra::{DMatrix, DVector, Matrix3};
 
-/// A direction of a port in reduced coordinates.
-#[derive(Clone, Debug)]
-pub struct PortRow {
-    /// `port.direction`, or the direction alone when the machine has one port.
-    pub name: String,
-    /// Row over the reduced coordinates.
-    pub row: RowDVector<f64>,
-}
-
-/// Superelements side by side, with the joints that couple them.
-#[derive(Clone, Debug)]
-pub struct SideBySide {
-    /// Ritz values of all superelements, (rad/s)^2.
-    pub eigenvalues: DVector<f64>,
-    /// First column of each part.
-    pub first_column: Vec<usize>,
-    /// Joints.
-    pub joints: Vec<CoupledJoint>,
-    /// Axis of travel.
-    pub axis: Axis,
-    /// Outputs.
-    pub outputs: Vec<PortRow>,
-    /// Inputs.
-    pub inputs: Vec<PortRow>,
-}
-
-impl SideBySide {
-    /// Couples superelements as the machine says.
-    ///
-    /// # Errors
-    /// [`CouplingError`] if a footprint leaves its rail or a screw's length is not positive at a
-    /// station of the travel.
-    pub fn new(machine: &Machine, superelements: &[Superelement]) -> Result<Self, CouplingError> {
-        let mut first_column = vec![0];
-        for s in superelements {
-            first_column.push(first_column[first_column.len() - 1] + s.n());
-        }
-        let n = first_column.pop().unwrap_or(0);
-        let eigenvalues = DVector::from_iterator(n, superelements.iter().flat_map(|s| s.eigenvalues.iter().copied()));
-        let joints = machine.joints.iter().map(|joint| {
-            let side = |s: usize| {
-                let at = joint.between[s];
-                let part = &superelements[at.part];
-                let rail = part.rails.iter().find(|r| s == 0 && joint.footprint.is_some() && r.interface == at.interface);
-                Side {
-                    first_column: first_column[at.part],
-                    moves: machine.axis.moves[at.part],
-                    surface: rail.map_or_else(
-                        || SideSurface::Fixed(part.interfaces[at.interface].clone()),
-                        |rail| SideSurface::Rail(rail.clone()),
-                    ),
-                }
-            };
-            let centroids = [0, 1].map(|s| superelements[joint.between[s].part].interfaces[joint.between[s].interface].centroid);
-            CoupledJoint {
-                name: joint.name.clone(),
-                kind: joint.kind,
-                springs: joint.springs.iter().map(|s| CoupledSpring {
-                    label: s.label.clone(),
-                    motion: s.motion,
-                    direction: s.direction,
-                    stiffness: s.stiffness,
-                    damping: s.damping,
-                }).collect(),
-                loss_factor: joint.loss_factor,
-                point: match joint.at {
-                    JointPoint::Point(x) => x,
-                    JointPoint::Centroid(side) => centroids[side],
-                },
-                sides: [side(0), side(1)],
-                footprint: joint.footprint,
-                centroids,
-            }
-        });
-        let joints = joints.collect();
-        let port_rows = |wanted: fn(&crate::machine::Port) -> bool| {
-            let mut rows = Vec::new();
-            for port in machine.ports.iter().filter(|p| wanted(p)) {
-                let interface = &superelements[port.interface.part].interfaces[port.interface.interface];
-                for (label, direction) in &port.directions {
-                    let coefficients = RowDVector::from_row_slice(&rotation_arm(*direction, [0.0; 3]));
-                    let mut row = RowDVector::zeros(n);
-                    let local = coefficients * &interface.rows;
-                    row.columns_mut(first_column[port.interface.part], local.ncols()).copy_from(&local);
-                    let name = if machine.ports.len() == 1 { label.clone() } else { format!("{}.{label}", port.name) };
-                    rows.push(PortRow { name, row });
-                }
-            }
-            rows
-        };
-        let (outputs, inputs) = (port_rows(|p| p.output), port_rows(|p| p.input));
-        let model = Self { eigenvalues, first_column, joints, axis: machine.axis.clone(), outputs, inputs };
-        for position in machine.axis.stations() {
-            model.stiffness(position)?;
-            model.rows(position)?;
-        }
-        Ok(model)
-    }
-
-    /// Coordinates.
-    pub fn n(&self) -> usize {
-        self.eigenvalues.len()
-    }
-
-    /// Rows B(p) of all springs, n_springs x n.
-    ///
-    /// # Errors
-    /// [`CouplingError::FootprintLeavesRail`].
-    pub fn rows(&self, position: f64) -> Result<DMatrix<f64>, CouplingError> {
-        stacked_rows(&self.joints, &self.axis, position, self.n())
-    }
-
-    /// Stiffness of all springs, N/m or N m/rad.
-    ///
-    /// # Errors
-    /// [`CouplingError::ScrewLength`].
-    pub fn stiffness(&self, position: f64) -> Result<Vec<f64>, CouplingError> {
-        all_stiffness(&self.joints, &self.axis, position)
-    }
-
-    /// K(p), n x n.
-    ///
-    /// # Errors
-    /// As [`Self::rows`] and [`Self::stiffness`].
-    pub fn coupled_stiffness(&self, position: f64) -> Result<DMatrix<f64>, CouplingError> {
-        Ok(coupled(&self.eigenvalues, &self.rows(position)?, &self.stiffness(position)?))
-    }
-
-    /// Number of coupled eigenvalues below `shift` (rad/s)^2, by the inertia of the pieces:
-    /// #{Lambda_i < shift} minus the negative eigenvalues of diag(1/k) + B (Lambda - shift)^-1 B^T.
-    ///
-    /// # Errors
-    /// As [`Self::rows`] and [`Self::stiffness`].
-    pub fn count_below(&self, position: f64, shift: f64) -> Result<usize, CouplingError> {
-        let rows = self.rows(position)?;
-        let stiffness = self.stiffness(position)?;
-        let active: Vec<usize> = (0..stiffness.len()).filter(|&s| stiffness[s] > 0.0).collect();
-        let b = DMatrix::from_fn(active.len(), self.n(), |s, i| rows[(active[s], i)]);
-        let scaled = DMatrix::from_fn(active.len(), self.n(), |s, i| b[(s, i)] / (self.eigenvalues[i] - shift));
-        let mut small = multiply(&scaled, &b.transpose());
-        // Scaled by sqrt(k) on both sides, which leaves the signs and brings bolts and bearings together.
-        for i in 0..active.len() {
-            for j in 0..active.len() {
-                small[(i, j)] *= (stiffness[active[i]] * stiffness[active[j]]).sqrt();
-            }
-            small[(i, i)] += 1.0;
-        }
-        let uncoupled = self.eigenvalues.iter().filter(|l| **l < shift).count();
-        Ok(uncoupled.saturating_sub(count_negative(&(0.5 * (&small + small.transpose())))?))
-    }
-}
-
-/// The machine in its fixed basis: M = I, K(p) = diag(eigenvalues) + B(p)^T diag(k(p)) B(p).
+/// The machine in its fixed basis.
 #[derive(Clone, Debug)]
 pub struct CoupledModel {
-    /// Ritz values of the uncoupled parts in the fixed basis, (rad/s)^2, ascending.
+    /// Eigenvalues of the basis's coordinates without joints, (rad/s)^2.
     pub eigenvalues: DVector<f64>,
-    /// Joints seen through the basis.
-    pub joints: Vec<CoupledJoint>,
-    /// Axis of travel.
-    pub axis: Axis,
-    /// Outputs.
-    pub outputs: Vec<PortRow>,
-    /// Inputs.
-    pub inputs: Vec<PortRow>,
-    /// Names of the parts.
-    pub parts: Vec<String>,
-    /// For each part, its share of diag(eigenvalues), n x n (positive semidefinite); for loss factors of parts.
-    pub part_stiffness: Vec<Option<DMatrix<f64>>>,
-    /// Structural loss factor of each part, if it has its own.
-    pub part_loss_factors: Vec<Option<f64>>,
-    /// For each part, its share of the identity, n x n; for naming free motions.
-    pub part_basis: Vec<DMatrix<f64>>,
-    /// For each part, impulses of its rigid motions about its centre of mass, 6 x n.
-    pub part_impulses: Vec<DMatrix<f64>>,
-    /// For each part, mass (kg) and central inertia (kg m^2).
-    pub part_inertia: Vec<(f64, nalgebra::Matrix3<f64>)>,
-    /// The machine side by side, for counts and checks.
+    /// The machine side by side: joints, ports, counts and checks.
     pub side_by_side: SideBySide,
+    /// What free motions and loss factors need to know of each part.
+    pub parts: Vec<PartShare>,
+    basis: FixedBasis,
+}
+
+/// A part's share of the machine's coordinates.
+#[derive(Clone, Debug)]
+pub struct PartShare {
+    /// Name.
+    pub name: String,
+    /// Structural loss factor, if it has its own.
+    pub loss_factor: Option<f64>,
+    /// Its rows of the basis, n_part x n.
+    pub basis: DMatrix<f64>,
+    /// Its stiffness in the basis, n x n, if it has a loss factor.
+    pub stiffness: Option<DMatrix<f64>>,
+    /// Impulses of its rigid motions about its centre of mass, 6 x n.
+    pub impulses: DMatrix<f64>,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Inertia tensor about the centre of mass, kg m^2.
+    pub inertia: Matrix3<f64>,
+}
+
+/// What the machine is at one position, for any joint stiffness.
+#[derive(Clone, Debug)]
+pub struct AtPosition {
+    /// Position, m.
+    pub position: f64,
+    /// Spring rows B over the basis, n_springs x n.
+    pub springs: DMatrix<f64>,
+    /// Output rows over the basis, n_outputs x n.
+    pub outputs: DMatrix<f64>,
+    /// Input rows over the basis, n_inputs x n.
+    pub inputs: DMatrix<f64>,
+    /// Residual flexibility between springs, then outputs, then inputs, m/N.
+    pub residual: DMatrix<f64>,
+    /// The parts' shares in the residual flexibility of the springs, for parts with a loss factor.
+    pub residual_of_part: Vec<Option<DMatrix<f64>>>,
+}
+
+/// The machine at one position with given joint stiffnesses.
+#[derive(Clone, Debug)]
+pub struct Coupled {
+    /// Lambda + B^T D' B, n x n.
+    pub stiffness: DMatrix<f64>,
+    /// Output rows P', n_outputs x n.
+    pub outputs: DMatrix<f64>,
+    /// Input rows P', n_inputs x n.
+    pub inputs: DMatrix<f64>,
+    /// Static compliance that the basis does not carry, n_outputs x n_inputs, m/N.
+    pub direct: DMatrix<f64>,
+    /// Spring forces for unit coordinates, D' B, n_springs x n.
+    pub forces: DMatrix<f64>,
+    /// Spring elongations for unit coordinates, (I - C_BB D') B, n_springs x n.
+    pub elongations: DMatrix<f64>,
 }
 
 /// Couples superelements and forms the fixed basis.
@@ -196,33 +89,30 @@ pub struct CoupledModel {
 /// [`CouplingError`].
 pub fn couple(machine: &Machine, superelements: &[Superelement], options: BasisOptions) -> Result<CoupledModel, CouplingError> {
     let side_by_side = SideBySide::new(machine, superelements)?;
-    let (eigenvalues, basis) = fixed_basis(&side_by_side, options)?;
-    let through = |rows: &[PortRow]| -> Vec<PortRow> {
-        rows.iter().map(|p| PortRow { name: p.name.clone(), row: &p.row * &basis }).collect()
-    };
-    let of_part = |part: usize| basis.rows(side_by_side.first_column[part], superelements[part].n()).into_owned();
-    let part_stiffness = machine.parts.iter().enumerate().map(|(i, part)| {
-        part.loss_factor?;
-        let mut rows = of_part(i);
-        for (mut row, value) in rows.row_iter_mut().zip(&superelements[i].eigenvalues) {
-            row *= value.max(0.0).sqrt();
+    let basis = FixedBasis::new(&side_by_side, options)?;
+    let q = basis.matrix();
+    let share = |(i, part): (usize, &crate::machine::Part)| {
+        let s = &superelements[i];
+        let rows = q.rows(side_by_side.first_column[i], s.n()).into_owned();
+        let stiffness = part.loss_factor.map(|_| {
+            let mut scaled = rows.clone();
+            for (mut row, value) in scaled.row_iter_mut().zip(&s.eigenvalues) {
+                row *= value.max(0.0).sqrt();
+            }
+            multiply_transposed(&scaled, &scaled)
+        });
+        PartShare {
+            name: part.name.clone(),
+            loss_factor: part.loss_factor,
+            impulses: multiply(&s.impulses, &rows),
+            basis: rows,
+            stiffness,
+            mass: s.mass,
+            inertia: s.inertia,
         }
-        Some(multiply_transposed(&rows, &rows))
-    });
-    Ok(CoupledModel {
-        eigenvalues,
-        joints: side_by_side.joints.iter().map(|j| j.project(&basis)).collect(),
-        axis: machine.axis.clone(),
-        outputs: through(&side_by_side.outputs),
-        inputs: through(&side_by_side.inputs),
-        parts: machine.parts.iter().map(|p| p.name.clone()).collect(),
-        part_stiffness: part_stiffness.collect(),
-        part_loss_factors: machine.parts.iter().map(|p| p.loss_factor).collect(),
-        part_impulses: superelements.iter().enumerate().map(|(i, s)| multiply(&s.impulses, &of_part(i))).collect(),
-        part_basis: (0..superelements.len()).map(of_part).collect(),
-        part_inertia: superelements.iter().map(|s| (s.mass, s.inertia)).collect(),
-        side_by_side,
-    })
+    };
+    let parts = machine.parts.iter().enumerate().map(share).collect();
+    Ok(CoupledModel { eigenvalues: basis.eigenvalues.clone(), side_by_side, parts, basis })
 }
 
 impl CoupledModel {
@@ -231,71 +121,106 @@ impl CoupledModel {
         self.eigenvalues.len()
     }
 
+    /// The axis of travel.
+    pub fn axis(&self) -> &Axis {
+        &self.side_by_side.axis
+    }
+
+    /// The joints.
+    pub fn joints(&self) -> &[CoupledJoint] {
+        &self.side_by_side.joints
+    }
+
+    /// Names of the outputs.
+    pub fn output_names(&self) -> Vec<String> {
+        self.side_by_side.outputs.iter().map(|p| p.name.clone()).collect()
+    }
+
+    /// Names of the inputs.
+    pub fn input_names(&self) -> Vec<String> {
+        self.side_by_side.inputs.iter().map(|p| p.name.clone()).collect()
+    }
+
     /// Refuses a position outside the travel.
     ///
     /// # Errors
     /// [`CouplingError::OutsideTravel`].
     pub fn check_position(&self, position: f64) -> Result<(), CouplingError> {
-        let [from, to] = self.axis.travel;
+        let [from, to] = self.axis().travel;
         let slack = 1e-9;
         if position.is_finite() && position >= from.min(to) - slack && position <= from.max(to) + slack {
             return Ok(());
         }
-        Err(CouplingError::OutsideTravel { position, axis: self.axis.name.clone(), from, to })
+        Err(CouplingError::OutsideTravel { position, axis: self.axis().name.clone(), from, to })
     }
 
-    /// Rows B(p) of all springs, n_springs x n.
-    ///
-    /// # Errors
-    /// [`CouplingError::FootprintLeavesRail`].
-    pub fn rows(&self, position: f64) -> Result<DMatrix<f64>, CouplingError> {
-        stacked_rows(&self.joints, &self.axis, position, self.n())
-    }
-
-    /// Stiffness of all springs, N/m or N m/rad.
+    /// Stiffness of all springs at a position, N/m or N m/rad.
     ///
     /// # Errors
     /// [`CouplingError::ScrewLength`].
     pub fn stiffness(&self, position: f64) -> Result<Vec<f64>, CouplingError> {
-        all_stiffness(&self.joints, &self.axis, position)
+        self.side_by_side.stiffness(position)
     }
 
-    /// K(p), n x n.
+    /// The machine at a position, for any joint stiffness.
     ///
     /// # Errors
-    /// As [`Self::rows`] and [`Self::stiffness`].
-    pub fn coupled_stiffness(&self, position: f64) -> Result<DMatrix<f64>, CouplingError> {
-        Ok(coupled(&self.eigenvalues, &self.rows(position)?, &self.stiffness(position)?))
+    /// [`CouplingError::OutsideTravel`], [`CouplingError::FootprintLeavesRail`].
+    pub fn at(&self, position: f64) -> Result<AtPosition, CouplingError> {
+        self.check_position(position)?;
+        let machine = &self.side_by_side;
+        let springs = machine.rows(position)?;
+        let (s, o, i) = (springs.nrows(), machine.outputs.len(), machine.inputs.len());
+        let mut rows = springs.resize_vertically(s + o + i, 0.0);
+        let ports: Vec<&PortRow> = machine.outputs.iter().chain(&machine.inputs).collect();
+        for (k, port) in ports.iter().enumerate() {
+            rows.row_mut(s + k).copy_from(&port.row);
+        }
+        let projected = self.basis.project(&rows);
+        let residual = self.basis.residual_flexibility(&rows, |_| true);
+        let spring_rows = rows.rows(0, s).into_owned();
+        let residual_of_part = self.parts.iter().enumerate().map(|(p, part)| {
+            part.loss_factor?;
+            let first = machine.first_column[p];
+            let own = first..first + part.basis.nrows();
+            Some(self.basis.residual_flexibility(&spring_rows, |i| own.contains(&i)))
+        });
+        Ok(AtPosition {
+            position,
+            springs: projected.rows(0, s).into_owned(),
+            outputs: projected.rows(s, o).into_owned(),
+            inputs: projected.rows(s + o, i).into_owned(),
+            residual,
+            residual_of_part: residual_of_part.collect(),
+        })
     }
-}
 
-/// diag(lambda) + B^T diag(k) B.
-fn coupled(eigenvalues: &DVector<f64>, rows: &DMatrix<f64>, stiffness: &[f64]) -> DMatrix<f64> {
-    let mut scaled = rows.clone();
-    for (mut row, k) in scaled.row_iter_mut().zip(stiffness) {
-        row *= k.sqrt();
+    /// The machine at a position with given spring stiffnesses (N/m or N m/rad, not negative).
+    pub fn coupled(&self, at: &AtPosition, stiffness: &[f64]) -> Coupled {
+        let (s, o, i) = (at.springs.nrows(), at.outputs.nrows(), at.inputs.nrows());
+        assert_eq!(stiffness.len(), s, "one stiffness a spring");
+        let c = |row: usize, rows: usize, column: usize, columns: usize| at.residual.view((row, column), (rows, columns)).into_owned();
+        let root: Vec<f64> = stiffness.iter().map(|k| k.sqrt()).collect();
+        // D' = D^1/2 (I + D^1/2 C D^1/2)^-1 D^1/2, which stands a stiffness of zero.
+        let flexibility = c(0, s, 0, s);
+        let inner = DMatrix::from_fn(s, s, |a, b| root[a] * flexibility[(a, b)] * root[b] + f64::from(u8::from(a == b)));
+        let inverse = inner.cholesky().map(|f| f.inverse()).expect("I + a positive semidefinite matrix is positive definite");
+        let series = DMatrix::from_fn(s, s, |a, b| root[a] * inverse[(a, b)] * root[b]);
+        let forces = multiply(&series, &at.springs);
+        let mut full = multiply_transposed(&at.springs, &forces);
+        full = 0.5 * (&full + full.transpose());
+        for (k, value) in self.eigenvalues.iter().enumerate() {
+            full[(k, k)] += value;
+        }
+        let (out_spring, spring_in) = (c(s, o, 0, s), c(0, s, s + o, i));
+        let in_spring = spring_in.transpose();
+        Coupled {
+            stiffness: full,
+            outputs: &at.outputs - multiply(&out_spring, &forces),
+            inputs: &at.inputs - multiply(&in_spring, &forces),
+            direct: c(s, o, s + o, i) - multiply(&out_spring, &multiply(&series, &spring_in)),
+            elongations: &at.springs - multiply(&flexibility, &forces),
+            forces,
+        }
     }
-    let mut out = scaled.transpose() * &scaled;
-    for (i, value) in eigenvalues.iter().enumerate() {
-        out[(i, i)] += value;
-    }
-    out
-}
-
-fn stacked_rows(joints: &[CoupledJoint], axis: &Axis, position: f64, n: usize) -> Result<DMatrix<f64>, CouplingError> {
-    let mut out = DMatrix::zeros(joints.iter().map(|j| j.springs.len()).sum(), n);
-    let mut at = 0;
-    for joint in joints {
-        out.rows_mut(at, joint.springs.len()).copy_from(&joint.rows(position, axis, n)?);
-        at += joint.springs.len();
-    }
-    Ok(out)
-}
-
-fn all_stiffness(joints: &[CoupledJoint], axis: &Axis, position: f64) -> Result<Vec<f64>, CouplingError> {
-    let mut out = Vec::new();
-    for joint in joints {
-        out.extend(joint.stiffness(position, axis)?);
-    }
-    Ok(out)
 }

@@ -5,23 +5,23 @@ use nalgebra::{DVector, Vector3};
 
 /// Says in words which part moves and how: `spindle turns about z`.
 pub(super) fn describe(model: &CoupledModel, shape: &DVector<f64>) -> String {
-    let shares: Vec<f64> = model.part_basis.iter().map(|q| (q * shape).norm_squared()).collect();
+    let shares: Vec<f64> = model.parts.iter().map(|part| (&part.basis * shape).norm_squared()).collect();
     let total: f64 = shares.iter().sum();
     let Some((part, share)) = shares.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else {
         return "nothing moves".into();
     };
     if *share < 0.99 * total {
         let moving: Vec<&str> =
-            shares.iter().zip(&model.parts).filter(|(s, _)| **s > 0.01 * total).map(|(_, name)| name.as_str()).collect();
+            shares.iter().zip(&model.parts).filter(|(s, _)| **s > 0.01 * total).map(|(_, part)| part.name.as_str()).collect();
         return format!("{} move together", moving.join(", "));
     }
-    let impulse = &model.part_impulses[part] * shape;
-    let (mass, inertia) = &model.part_inertia[part];
-    let velocity = Vector3::new(impulse[0], impulse[1], impulse[2]) / *mass;
+    let part = &model.parts[part];
+    let impulse = &part.impulses * shape;
+    let velocity = Vector3::new(impulse[0], impulse[1], impulse[2]) / part.mass;
     let momentum = Vector3::new(impulse[3], impulse[4], impulse[5]);
-    let turn = inertia.try_inverse().map_or(Vector3::zeros(), |inverse| inverse * momentum);
-    let (verb, direction) = if turn.dot(&momentum) > mass * velocity.norm_squared() { ("turns about", turn) } else { ("slides along", velocity) };
-    format!("{} {verb} {}", model.parts[part], axis_name(direction))
+    let turn = part.inertia.try_inverse().map_or(Vector3::zeros(), |inverse| inverse * momentum);
+    let (verb, direction) = if turn.dot(&momentum) > part.mass * velocity.norm_squared() { ("turns about", turn) } else { ("slides along", velocity) };
+    format!("{} {verb} {}", part.name, axis_name(direction))
 }
 
 fn axis_name(direction: Vector3<f64>) -> String {

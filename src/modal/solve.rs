@@ -1,7 +1,7 @@
 //! Modes of the coupled machine at one position.
 
 use super::{ModalError, free_motion};
-use crate::coupling::CoupledModel;
+use crate::coupling::{AtPosition, Coupled, CoupledModel};
 use crate::linalg::{multiply, symmetric_eigen_polished};
 use crate::machine::Damping;
 use nalgebra::DMatrix;
@@ -26,6 +26,8 @@ pub struct Modes {
     pub outputs: DMatrix<f64>,
     /// Shapes at the inputs, n_input x n, kg^(-1/2).
     pub inputs: DMatrix<f64>,
+    /// Static compliance that no mode of the basis carries, n_output x n_input, m/N.
+    pub direct: DMatrix<f64>,
 }
 
 /// A motion that nothing resists.
@@ -70,11 +72,25 @@ impl Modes {
 /// omega^2 of the polished modes to 1e-10; of the others to some 1e-12 of the largest eigenvalue of
 /// K(p), which the fixed basis bounds.
 pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64, polished: usize) -> Result<Modes, ModalError> {
-    model.check_position(position)?;
-    let rows = model.rows(position)?;
+    let at = model.at(position)?;
     let stiffness = model.stiffness(position)?;
-    let eigen = symmetric_eigen_polished(&model.coupled_stiffness(position)?, polished)
-        .map_err(|source| ModalError::Eigen { position, source })?;
+    modes_of(model, damping, &at, &stiffness, polished)
+}
+
+/// The same with given spring stiffnesses (N/m or N m/rad), for designs.
+///
+/// # Errors
+/// As [`modes_at`].
+pub fn modes_of(
+    model: &CoupledModel,
+    damping: &Damping,
+    at: &AtPosition,
+    stiffness: &[f64],
+    polished: usize,
+) -> Result<Modes, ModalError> {
+    let position = at.position;
+    let coupled = model.coupled(at, stiffness);
+    let eigen = symmetric_eigen_polished(&coupled.stiffness, polished).map_err(|source| ModalError::Eigen { position, source })?;
     let n = model.n();
     let rounding = f64::EPSILON * n as f64 * eigen.values.amax();
     let mut eigenvalues: Vec<f64> = eigen.values.iter().copied().collect();
@@ -86,19 +102,15 @@ pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64, polished
     let free = eigenvalues.iter().take_while(|l| **l <= rounding).count();
     eigenvalues[..free].fill(0.0);
 
-    let spring_motion = multiply(&rows, &eigen.vectors);
-    let (damping_ratios, loss_factors) = modal_damping(model, damping, &eigenvalues, free, &eigen.vectors, &spring_motion, &stiffness);
-    let at = |ports: &[crate::coupling::PortRow]| {
-        let rows = DMatrix::from_fn(ports.len(), n, |i, k| ports[i].row[k]);
-        multiply(&rows, &eigen.vectors)
-    };
+    let (damping_ratios, loss_factors) = modal_damping(model, damping, at, &coupled, stiffness, &eigenvalues, free, &eigen.vectors);
     Ok(Modes {
         position,
         free,
         damping_ratios,
         loss_factors,
-        outputs: at(&model.outputs),
-        inputs: at(&model.inputs),
+        outputs: multiply(&coupled.outputs, &eigen.vectors),
+        inputs: multiply(&coupled.inputs, &eigen.vectors),
+        direct: coupled.direct,
         shapes: eigen.vectors,
         eigenvalues,
     })
@@ -108,18 +120,21 @@ pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64, polished
 ///
 /// Joint dampers and loss factors of single parts and joints are projected on the undamped modes:
 /// their coupling between modes is left out, which is an approximation of second order in the damping.
+#[expect(clippy::too_many_arguments, reason = "one step of modes_of, with its locals")]
 fn modal_damping(
     model: &CoupledModel,
     damping: &Damping,
+    at: &AtPosition,
+    coupled: &Coupled,
+    stiffness: &[f64],
     eigenvalues: &[f64],
     free: usize,
     shapes: &DMatrix<f64>,
-    spring_motion: &DMatrix<f64>,
-    stiffness: &[f64],
 ) -> (Vec<f64>, Vec<f64>) {
     let n = eigenvalues.len();
     let springs: Vec<(f64, f64)> =
-        model.joints.iter().flat_map(|j| j.springs.iter().map(|s| (s.damping, j.loss_factor.unwrap_or(0.0)))).collect();
+        model.joints().iter().flat_map(|j| j.springs.iter().map(|s| (s.damping, j.loss_factor.unwrap_or(0.0)))).collect();
+    let elongations = springs.iter().any(|(c, eta)| *c > 0.0 || *eta > 0.0).then(|| multiply(&coupled.elongations, shapes));
     let mut ratios = vec![0.0; n];
     let mut losses = vec![0.0; n];
     for r in free..n {
@@ -127,19 +142,23 @@ fn modal_damping(
         let listed = damping.ratios.get(r - free).or(damping.ratios.last()).copied().unwrap_or(0.0);
         let rayleigh = damping.rayleigh.map_or(0.0, |[alpha, beta]| 0.5 * (alpha / omega + beta * omega));
         let (mut dampers, mut joint_loss) = (0.0, 0.0);
-        for (s, (c, eta)) in springs.iter().enumerate() {
-            let motion = spring_motion[(s, r)].powi(2);
-            dampers += c * motion;
-            joint_loss += eta * stiffness[s] * motion;
+        if let Some(elongations) = &elongations {
+            for (s, (c, eta)) in springs.iter().enumerate() {
+                let square = elongations[(s, r)].powi(2);
+                dampers += c * square;
+                joint_loss += eta * stiffness[s] * square;
+            }
         }
         ratios[r] = listed + rayleigh + dampers / (2.0 * omega);
         losses[r] = damping.loss_factor + joint_loss / eigenvalues[r];
     }
-    let lossy = model.part_stiffness.iter().zip(&model.part_loss_factors);
-    for (k, eta) in lossy.filter_map(|(k, eta)| Some((k.as_ref()?, (*eta)?))) {
-        let energy = multiply(k, shapes);
+    for (part, residual) in model.parts.iter().zip(&at.residual_of_part) {
+        let (Some(eta), Some(k), Some(c)) = (part.loss_factor, &part.stiffness, residual) else { continue };
+        let forces = multiply(&coupled.forces, shapes);
+        let (strain, in_series) = (multiply(k, shapes), multiply(c, &forces));
         for r in free..n {
-            losses[r] += eta * shapes.column(r).dot(&energy.column(r)) / eigenvalues[r];
+            let energy = shapes.column(r).dot(&strain.column(r)) + forces.column(r).dot(&in_series.column(r));
+            losses[r] += eta * energy / eigenvalues[r];
         }
     }
     (ratios, losses)
