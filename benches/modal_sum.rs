@@ -1,6 +1,6 @@
 //! The modal sum on the processor at the main job's size: 121 positions x 2000 frequencies x 30 modes, 3 x 3.
 //! The devices, how long it takes to list and open them, and every back end in one run.
-//! `cargo bench --bench modal_sum`
+//! `cargo bench --bench modal_sum`; with `-- --json`, the processor's row alone as `stiffmap bench --json` gives it.
 
 use std::time::Instant;
 
@@ -13,6 +13,12 @@ mod modal_fixture;
 use modal_fixture::{Case, Numbers, symmetric_system};
 
 fn main() {
+    if std::env::args().any(|a| a == "--json") {
+        let backend = gpu::Backend::Cpu;
+        let request = gpu::bench::BenchRequest { backend, ..Default::default() };
+        let rows = gpu::bench::measure(&request).expect("the processor works");
+        return println!("{}", serde_json::to_string(&rows).expect("rows are plain numbers"));
+    }
     let mut numbers = Numbers(1);
     let systems = (0..121)
         .map(|_| symmetric_system(&mut numbers, 3, 30, 0.02))

@@ -1,6 +1,6 @@
 // Metrics: largest |H| and smallest Re H of each pair at each position, without writing the map.
 //
-// One workgroup: LANES consecutive frequencies for each of its WORKGROUP invocations (x), one position (y), up to
+// One workgroup: STEPS times WAYS frequencies for each of its WORKGROUP invocations (x), one position (y), up to
 // 2 DUOS pairs (z). Of equal values the lowest frequency wins, as on the processor.
 // Group 0: the model (shared/model.wgsl). Group 1: extrema [position, chunk of frequencies, pair].
 
@@ -48,13 +48,18 @@ fn main(
     for (var i = 0u; i < 2u * DUOS; i++) {
         best[i] = Extrema(real(-1.0), real(3.0e38), NOWHERE, NOWHERE);
     }
-    for (var k = 0u; k < LANES; k++) {
-        let frequency = (group.x * LANES + k) * WORKGROUP + lane;
-        if frequency < params.n_frequencies {
-            let sum = modal_sum(position, frequency, first_duo);
-            for (var d = 0u; d < DUOS; d++) {
-                best[2u * d] = better(best[2u * d], entry(sum.re[d].x, sum.im[d].x, frequency));
-                best[2u * d + 1u] = better(best[2u * d + 1u], entry(sum.re[d].y, sum.im[d].y, frequency));
+    for (var step = 0u; step < STEPS; step++) {
+        let first = (group.x * STEPS + step) * WAYS * WORKGROUP + lane;
+        let sum = modal_sum(position, first, first_duo);
+        for (var k = 0u; k < WAYS; k++) {
+            let frequency = way(first, k);
+            if frequency < params.n_frequencies {
+                for (var d = 0u; d < DUOS; d++) {
+                    let re = sum.re[k * DUOS + d];
+                    let im = sum.im[k * DUOS + d];
+                    best[2u * d] = better(best[2u * d], entry(re.x, im.x, frequency));
+                    best[2u * d + 1u] = better(best[2u * d + 1u], entry(re.y, im.y, frequency));
+                }
             }
         }
     }

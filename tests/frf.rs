@@ -149,7 +149,8 @@ fn bad_requests_are_refused_with_the_value_seen() {
         change(&mut case);
         modal_sum(&case.request()).unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut Case), &str); 10] = [
+    type Change<'a> = &'a dyn Fn(&mut Case);
+    let cases: [(Change, &str); 10] = [
         (&|c| c.frequencies.clear(), "frequencies is empty"),
         (
             &|c| c.frequencies[3] = f64::NAN,

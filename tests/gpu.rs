@@ -1,15 +1,15 @@
-//! Kernels on a device: against f64, against the readable f32 twin, and when the device fails.
+//! Kernels on a device: against f64 and against the readable f32 twin.
 //!
 //! Without an adapter a test prints `skipped: no adapter`; with STIFFMAP_GPU=require that is a failure.
 
 mod modal_fixture;
 
-use modal_fixture::{Case, Numbers, differences, residual, symmetric_system};
+use modal_fixture::device::device;
+use modal_fixture::{Case, Numbers, differences, rich, symmetric_system};
 use nalgebra::Complex;
 use stiffmap::frf::metrics::{direct_pairs, grid_extrema};
 use stiffmap::frf::{ModalSystem, Quantity, Tile, modal_sum};
-use stiffmap::gpu::backend::compute_tiles_on;
-use stiffmap::gpu::{self, Backend, BackendOptions, Gpu, GpuError, Precision, trust, twin};
+use stiffmap::gpu::{self, GpuError, Precision, trust, twin};
 
 const EPS: f64 = f32::EPSILON as f64;
 const QUANTITIES: [Quantity; 3] = [
@@ -17,23 +17,6 @@ const QUANTITIES: [Quantity; 3] = [
     Quantity::Mobility,
     Quantity::Accelerance,
 ];
-
-/// The device, with its name on the test's output.
-fn device() -> Option<Gpu> {
-    match Gpu::open() {
-        Ok(gpu) => {
-            println!("adapter: {}", gpu.adapter().key());
-            Some(gpu)
-        }
-        Err(GpuError::NoAdapter { .. }) => {
-            let required = std::env::var("STIFFMAP_GPU").is_ok_and(|v| v == "require");
-            assert!(!required, "STIFFMAP_GPU=require and no adapter");
-            println!("skipped: no adapter");
-            None
-        }
-        Err(e) => panic!("{e}"),
-    }
-}
 
 /// Thirty modes and frequencies on and beside each of them.
 fn beside_resonances(seed: u64, damping: impl Fn(usize) -> f64) -> Case {
@@ -59,23 +42,6 @@ fn beside_resonances(seed: u64, damping: impl Fn(usize) -> f64) -> Case {
     frequencies.sort_by(f64::total_cmp);
     frequencies.dedup();
     Case::new(systems, frequencies)
-}
-
-/// A case with everything: both dampings, a residual, different numbers of modes a position.
-fn rich(n_ports: usize) -> Case {
-    let mut numbers = Numbers(21);
-    let systems = (0..5)
-        .map(|p| {
-            let mut system = symmetric_system(&mut numbers, n_ports, 6 + p, 0.01);
-            system
-                .loss_factors
-                .iter_mut()
-                .for_each(|eta| *eta = numbers.within(0.0, 0.03));
-            system.residual = residual(&mut numbers, n_ports);
-            system
-        })
-        .collect();
-    Case::new(systems, (0..700).map(|i| 1.3 * i as f64).collect())
 }
 
 #[test]
@@ -329,107 +295,5 @@ fn tiles_come_in_order_and_append_to_the_map() {
             appended == whole.values[first_pair * 9..],
             "from pair {first_pair}"
         );
-    }
-}
-
-#[test]
-fn a_lost_device_is_an_error_and_auto_finishes_on_the_processor() {
-    let Some(gpu) = device() else { return };
-    let mut numbers = Numbers(2);
-    let systems = (0..40)
-        .map(|_| symmetric_system(&mut numbers, 3, 3, 0.02))
-        .collect();
-    let case = Case::new(systems, (0..4000).map(|i| 0.2 * i as f64).collect());
-    let request = case.request();
-    let exact = modal_sum(&request).unwrap();
-    for backend in [Backend::Auto, Backend::Gpu] {
-        let gpu = if backend == Backend::Auto {
-            &gpu
-        } else {
-            &Gpu::open().unwrap()
-        };
-        let options = BackendOptions {
-            backend,
-            ..BackendOptions::default()
-        };
-        let mut appended = Vec::new();
-        let mut sink = |tile: Tile<'_>| {
-            appended.extend_from_slice(tile.values);
-            gpu.destroy();
-            Ok(())
-        };
-        let outcome = compute_tiles_on(gpu, &request, &options, &mut sink);
-        match backend {
-            Backend::Auto => {
-                let report = outcome.unwrap();
-                assert_eq!(report.backend, "gpu, finished on the cpu", "{report:?}");
-                assert!(
-                    report.pairs_on_device > 0 && report.pairs_on_cpu > 0,
-                    "{report:?}"
-                );
-                assert!(report.why.contains("lost"), "{report:?}");
-                assert_eq!(appended.len(), exact.values.len());
-                let largest = |x: &[Complex<f64>]| x.iter().map(|x| x.norm()).fold(0.0, f64::max);
-                let difference: Vec<_> = appended
-                    .iter()
-                    .zip(&exact.values)
-                    .map(|(a, b)| a - b)
-                    .collect();
-                assert!(largest(&difference) <= 1e-5 * largest(&exact.values));
-            }
-            _ => {
-                let error = outcome.unwrap_err();
-                assert!(matches!(error, GpuError::DeviceLost { .. }), "{error}");
-                assert!(
-                    appended.len() < exact.values.len(),
-                    "no partial map passes as whole"
-                );
-            }
-        }
-    }
-}
-
-#[test]
-fn values_outside_f32_are_an_error_with_their_place() {
-    let Some(gpu) = device() else { return };
-    let mut case = rich(1);
-    case.systems[2].outputs *= 1e22;
-    case.systems[2].inputs *= 1e22;
-    let error = gpu::modal_sum(&gpu, &case.request(), Precision::F32)
-        .err()
-        .unwrap();
-    assert!(
-        matches!(error, GpuError::NotFinite { position: 2, .. }),
-        "{error}"
-    );
-}
-
-#[test]
-fn a_named_adapter_that_is_not_there_is_an_error() {
-    let Some(_) = device() else { return };
-    let binary = std::env::current_exe().unwrap();
-    let output = std::process::Command::new(binary)
-        .args([
-            "--exact",
-            "helper_opens_a_device",
-            "--ignored",
-            "--nocapture",
-        ])
-        .env("STIFFMAP_ADAPTER", "no such adapter")
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        text.contains("STIFFMAP_ADAPTER=\"no such adapter\""),
-        "{text}"
-    );
-}
-
-#[test]
-#[ignore = "run by the test above in its own process"]
-fn helper_opens_a_device() {
-    match Gpu::open() {
-        Ok(gpu) => println!("opened {}", gpu.adapter().name),
-        Err(e) => println!("{e}"),
     }
 }

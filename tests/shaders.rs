@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use stiffmap::gpu::shader::{
-    Extrema, Kernel, LANES, MAX_DUOS, Params, Precision, Variant, WORKGROUP,
+    CHUNK, Extrema, Kernel, MAX_DUOS, Params, Precision, Variant, WORKGROUP,
 };
 
 fn variants() -> impl Iterator<Item = Variant> {
@@ -170,13 +170,18 @@ fn structs_have_the_offsets_of_the_host() {
 
 #[test]
 fn no_kernel_exceeds_what_webgpu_guarantees() {
-    assert!(WORKGROUP <= 256);
+    const { assert!(WORKGROUP <= 256) };
     let records = WORKGROUP as usize * size_of::<Extrema<f64>>();
     assert!(records <= 16384, "workgroup memory {records} bytes");
-    assert!(
-        LANES > 0 && WORKGROUP.is_power_of_two(),
-        "the reduction halves the workgroup"
-    );
+    // The reduction halves the workgroup.
+    const { assert!(WORKGROUP.is_power_of_two()) };
+    for variant in variants() {
+        assert_eq!(
+            CHUNK % (WORKGROUP * variant.ways()),
+            0,
+            "whole steps make a chunk: {variant:?}"
+        );
+    }
 }
 
 #[test]
@@ -195,7 +200,8 @@ fn the_header_holds_the_constants_of_the_host() {
     .source();
     for line in [
         format!("const WORKGROUP: u32 = {WORKGROUP}u;"),
-        format!("const LANES: u32 = {LANES}u;"),
+        "const WAYS: u32 = 4u;".to_string(),
+        format!("const STEPS: u32 = {}u;", CHUNK / (4 * WORKGROUP)),
         "const DUOS: u32 = 3u;".to_string(),
         "const SPLIT: bool = false;".to_string(),
     ] {

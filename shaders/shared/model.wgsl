@@ -1,4 +1,4 @@
-// The read-only model (group 0) and the modal sum at one (position, frequency) pair.
+// The read-only model (group 0) and the modal sum at one position and WAYS frequencies.
 //
 //            n                         residue_r
 // H(f) = [  sum  ------------------------------------------------------ + sum C_k f^k ] (j f)^power
@@ -28,58 +28,70 @@ struct Params {
 @group(0) @binding(2) var<storage, read> modes: array<real2>;
 @group(0) @binding(3) var<storage, read> residual: array<real2>;
 
+// Sums at WAYS frequencies, which share each load of a mode: [way, duo].
 struct Sum {
-    re: array<real2, DUOS>,
-    im: array<real2, DUOS>,
+    re: array<real2, WAYS * DUOS>,
+    im: array<real2, WAYS * DUOS>,
 }
 
-// Sums DUOS duos from first_duo on.
-fn modal_sum(position: u32, frequency: u32, first_duo: u32) -> Sum {
-    let f = frequencies[frequency];
-    var sum = residual_polynomial(position, f.x, first_duo);
+// Frequency number of a way: neighbours in a workgroup stay neighbours in memory.
+fn way(first: u32, k: u32) -> u32 {
+    return first + k * WORKGROUP;
+}
+
+// Sums DUOS duos from first_duo on, at the frequencies way(first, 0), way(first, 1), ...; beyond the last, the last.
+fn modal_sum(position: u32, first: u32, first_duo: u32) -> Sum {
+    var f: array<real2, WAYS>;
+    for (var k = 0u; k < WAYS; k++) {
+        f[k] = frequencies[min(way(first, k), params.n_frequencies - 1u)];
+    }
+    var sum: Sum;
+
+    // The residual by Horner's rule from the highest power.
+    for (var degree = params.n_degrees; degree > 0u; degree--) {
+        let base = 2u * ((position * params.n_degrees + degree - 1u) * params.n_duos + first_duo);
+        for (var d = 0u; d < DUOS; d++) {
+            let re = residual[base + 2u * d];
+            let im = residual[base + 2u * d + 1u];
+            for (var k = 0u; k < WAYS; k++) {
+                sum.re[k * DUOS + d] = sum.re[k * DUOS + d] * f[k].x + re;
+                sum.im[k * DUOS + d] = sum.im[k * DUOS + d] * f[k].x + im;
+            }
+        }
+    }
 
     let stride = 2u + params.n_duos;
     var base = position * params.n_modes * stride;
     for (var r = 0u; r < params.n_modes; r++) {
         let f_r = modes[base];
         let damping = modes[base + 1u];
-        let u = difference(f_r, f) * (f_r.x + f.x);
-        let v = damping.x * f.x + damping.y;
-        let inverse = real(1.0) / (u * u + v * v);
-        let g = u * inverse;
-        let h = -v * inverse;
+        var residues: array<real2, DUOS>;
         for (var d = 0u; d < DUOS; d++) {
-            let residues = modes[base + 2u + first_duo + d];
-            sum.re[d] += residues * g;
-            sum.im[d] += residues * h;
+            residues[d] = modes[base + 2u + first_duo + d];
+        }
+        for (var k = 0u; k < WAYS; k++) {
+            let u = difference(f_r, f[k]) * (f_r.x + f[k].x);
+            let v = damping.x * f[k].x + damping.y;
+            let inverse = real(1.0) / (u * u + v * v);
+            let g = u * inverse;
+            let h = -v * inverse;
+            for (var d = 0u; d < DUOS; d++) {
+                sum.re[k * DUOS + d] += residues[d] * g;
+                sum.im[k * DUOS + d] += residues[d] * h;
+            }
         }
         base += stride;
     }
-    return times_power(sum, f.x);
-}
 
-// sum C_k f^k by Horner's rule from the highest power.
-fn residual_polynomial(position: u32, f: real, first_duo: u32) -> Sum {
-    var sum: Sum;
-    for (var k = params.n_degrees; k > 0u; k--) {
-        let base = 2u * ((position * params.n_degrees + k - 1u) * params.n_duos + first_duo);
-        for (var d = 0u; d < DUOS; d++) {
-            sum.re[d] = sum.re[d] * f + residual[base + 2u * d];
-            sum.im[d] = sum.im[d] * f + residual[base + 2u * d + 1u];
+    // Times (j f)^power: 0 receptance, 1 mobility, 2 accelerance.
+    for (var i = 0u; i < params.power; i++) {
+        for (var k = 0u; k < WAYS; k++) {
+            for (var d = 0u; d < DUOS; d++) {
+                let re = sum.re[k * DUOS + d];
+                sum.re[k * DUOS + d] = -sum.im[k * DUOS + d] * f[k].x;
+                sum.im[k * DUOS + d] = re * f[k].x;
+            }
         }
     }
     return sum;
-}
-
-// Times (j f)^power: 0 receptance, 1 mobility, 2 accelerance.
-fn times_power(sum: Sum, f: real) -> Sum {
-    var product = sum;
-    for (var i = 0u; i < params.power; i++) {
-        for (var d = 0u; d < DUOS; d++) {
-            let re = product.re[d];
-            product.re[d] = -product.im[d] * f;
-            product.im[d] = re * f;
-        }
-    }
-    return product;
 }

@@ -1,5 +1,5 @@
 // Numbers in f32. Frequencies are pairs (hi, lo) with hi + lo the f64 value to 48 bits.
-// The generated header before this file defines WORKGROUP, LANES, DUOS and SPLIT.
+// The generated header before this file defines WORKGROUP, WAYS, STEPS, DUOS and SPLIT.
 
 alias real = f32;
 alias real2 = vec2<f32>;

@@ -224,6 +224,10 @@ impl Model<'_> {
 }
 
 /// The weights 1 / D_r(f) of every mode: real and imaginary parts.
+#[expect(
+    clippy::needless_range_loop,
+    reason = "closures of iterators would not be compiled for the processor that was found"
+)]
 #[inline(always)]
 fn fill_weights<S: Simd, const W: usize>(
     simd: S,
@@ -276,4 +280,85 @@ fn denominator<S: Simd>(simd: S, mode: &Denominator, f: S::f64s) -> (S::f64s, S:
         simd.splat_f64s(-mode.loss),
     );
     (u, v, simd.mul_add_f64s(u, u, simd.mul_f64s(v, v)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::request::{FrfRequest, ModalSystem};
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// The sum of a small system at 37 frequencies on one kind of processor.
+    fn sum_on<S: Simd>(simd: S, n_ports: usize) -> Vec<Complex<f64>> {
+        let shapes = DMatrix::from_fn(n_ports, 7, |i, r| ((1 + i + 3 * r) as f64).sin());
+        let system = ModalSystem {
+            frequencies: (0..7).map(|r| 10.0 + 31.0 * r as f64).collect(),
+            damping_ratios: vec![0.01; 7],
+            loss_factors: vec![0.002; 7],
+            outputs: shapes.clone(),
+            inputs: shapes,
+            residual: vec![DMatrix::from_element(n_ports, n_ports, Complex::new(1e-3, 1e-4)); 2],
+        };
+        let frequencies: Vec<f64> = (0..37).map(|k| 1.0 + 6.1 * k as f64).collect();
+        let names: Vec<String> = (0..n_ports).map(|i| i.to_string()).collect();
+        let systems = [system];
+        let request = FrfRequest {
+            positions: &[0.0],
+            systems: &systems,
+            frequencies: &frequencies,
+            outputs: &names,
+            inputs: &names,
+            quantity: Quantity::Mobility,
+        };
+        let packing = Packing::new(&request);
+        let packed = PackedSystem::new(&systems[0], &packing);
+        let model = Model {
+            system: &packed,
+            packing: &packing,
+            quantity: request.quantity,
+        };
+        let laid_out = simd.vectorize(LayOut {
+            frequencies: &frequencies,
+        });
+        let mut values = vec![Complex::default(); 37 * n_ports * n_ports];
+        simd.vectorize(Block {
+            model,
+            frequencies: &laid_out,
+            values: &mut values,
+        });
+        values
+    }
+
+    /// Largest difference relative to the largest value.
+    fn difference(a: &[Complex<f64>], b: &[Complex<f64>]) -> f64 {
+        let largest = b.iter().map(|x| x.norm()).fold(0.0, f64::max);
+        a.iter()
+            .zip(b)
+            .map(|(a, b)| (a - b).norm())
+            .fold(0.0, f64::max)
+            / largest
+    }
+
+    #[test]
+    fn every_kind_of_processor_sums_the_same() {
+        for n_ports in 1..=4 {
+            let scalar = sum_on(pulp::Scalar::new(), n_ports);
+            assert!(scalar.iter().all(|x| x.norm() > 0.0));
+            #[cfg(target_arch = "x86_64")]
+            {
+                if let Some(simd) = pulp::x86::V3::try_new() {
+                    assert!(difference(&sum_on(simd, n_ports), &scalar) < 1e-14);
+                }
+                if let Some(simd) = pulp::x86::V4::try_new() {
+                    assert!(difference(&sum_on(simd, n_ports), &scalar) < 1e-14);
+                }
+            }
+            let mut shifted = scalar.clone();
+            shifted.rotate_left(1);
+            assert!(
+                difference(&shifted, &scalar) > 1e-14,
+                "the comparison notices another order"
+            );
+        }
+    }
 }

@@ -76,9 +76,7 @@ pub fn list_adapters() -> Vec<AdapterSummary> {
 
 /// The adapter that is taken for the environment's wish.
 pub(super) fn choose() -> Result<wgpu::Adapter, GpuError> {
-    let wanted = std::env::var(ADAPTER_VARIABLE)
-        .ok()
-        .filter(|w| !w.is_empty());
+    let wanted = wish();
     let found = adapters();
     let chosen = match &wanted {
         None => found.into_iter().next(),
@@ -94,16 +92,20 @@ pub(super) fn choose() -> Result<wgpu::Adapter, GpuError> {
 
 /// Whether the environment's wish is for this adapter, or there is no wish.
 pub(super) fn is_wanted(index: usize, summary: &AdapterSummary) -> bool {
-    match std::env::var(ADAPTER_VARIABLE)
-        .ok()
-        .filter(|w| !w.is_empty())
-    {
+    match wish() {
         None => true,
         Some(wanted) => match wanted.parse::<usize>() {
             Ok(wanted) => wanted == index,
             Err(_) => matches(&summary.name, &wanted),
         },
     }
+}
+
+/// What the environment asks for.
+pub(super) fn wish() -> Option<String> {
+    std::env::var(ADAPTER_VARIABLE)
+        .ok()
+        .filter(|w| !w.is_empty())
 }
 
 fn matches(name: &str, part: &str) -> bool {

@@ -216,9 +216,7 @@ fn choose_by_speed(request: &FrfRequest, options: &BackendOptions) -> Choice {
     if cache != before {
         cache.save(dir);
     }
-    choice.unwrap_or_else(|e| Choice::Cpu {
-        why: format!("no device: {e}"),
-    })
+    choice.unwrap_or_else(|e| Choice::Cpu { why: e.to_string() })
 }
 
 fn choose_measured(
@@ -253,21 +251,15 @@ fn choose_measured(
         .enumerate()
         .find(|(i, a)| adapter::is_wanted(*i, a))
         .map(|(_, a)| a.clone());
-    let Some(wanted) = wanted else {
-        return Ok(Choice::Cpu {
-            why: "no GPU adapter was found".to_string(),
-        });
-    };
+    let wanted = wanted.ok_or(GpuError::NoAdapter {
+        wanted: adapter::wish(),
+    })?;
     if wanted.is_software() {
-        let why = format!(
-            "the only adapter, {}, runs on the processor itself",
-            wanted.name
-        );
-        return Ok(Choice::Cpu { why });
+        return Err(GpuError::SoftwareOnly { name: wanted.name });
     }
     if precision == Precision::F64 && !wanted.f64 {
-        return Ok(Choice::Cpu {
-            why: format!("{} has no f64 in shaders", wanted.name),
+        return Err(GpuError::NoF64 {
+            adapter: wanted.name,
         });
     }
     let slower = |speed: &Speed| work / speed.work_per_second + speed.open_seconds >= cpu_seconds;

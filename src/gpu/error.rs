@@ -14,10 +14,8 @@ pub enum GpuError {
         /// What the environment asked for.
         wanted: Option<String>,
     },
-    /// Only adapters that run on the processor answer, and a real one was asked for.
-    #[error(
-        "only the software adapter {name} was found; the processor path is faster, use --backend cpu"
-    )]
+    /// Only an adapter that runs on the processor answers, and speed was asked for.
+    #[error("the only adapter, {name}, runs on the processor itself, whose own path is faster")]
     SoftwareOnly {
         /// Its name.
         name: String,

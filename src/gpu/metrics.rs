@@ -7,11 +7,8 @@ use crate::frf::{FrfRequest, Packing};
 
 use super::modal_sum::plan;
 use super::model::Model;
-use super::shader::{Extrema, Kernel, LANES, Precision, Variant, WORKGROUP};
+use super::shader::{CHUNK, Extrema, Kernel, Precision, Variant};
 use super::{Gpu, GpuError};
-
-/// Frequencies that one workgroup reduces to one record.
-const CHUNK: usize = (WORKGROUP * LANES) as usize;
 
 /// Metrics as [`crate::frf::metrics::metrics`], with the grid searched on the device and the refinement in f64.
 ///
@@ -112,7 +109,7 @@ impl Search<'_> {
                 Some(range) => {
                     let frequencies = &request.frequencies[range.frequencies.clone()];
                     let tile = model.tile(self.precision, range.positions.clone(), frequencies);
-                    let chunks = range.frequencies.len().div_ceil(CHUNK);
+                    let chunks = range.frequencies.len().div_ceil(CHUNK as usize);
                     let workgroups = [
                         chunks as u32,
                         range.positions.len() as u32,

@@ -183,7 +183,7 @@ fn run(
                 let frequencies = &request.frequencies[range.frequencies.clone()];
                 let tile = model.tile(precision, range.positions.clone(), frequencies);
                 let workgroups = [
-                    (range.frequencies.len() as u32).div_ceil(WORKGROUP),
+                    (range.frequencies.len() as u32).div_ceil(WORKGROUP * variant.ways()),
                     range.positions.len() as u32,
                     model.groups(variant.duos),
                 ];

@@ -58,11 +58,11 @@ pub fn check(gpu: &Gpu, precision: Precision) -> Result<TrustFigures, GpuError> 
             bound,
         })
     };
-    // Written so that NaN is inaccurate.
-    if !(figures.entry <= figures.entry_bound) {
+    let exceeds = |figure: f64, bound: f64| figure.is_nan() || figure > bound;
+    if exceeds(figures.entry, figures.entry_bound) {
         return inaccurate("of an entry's terms", figures.entry, figures.entry_bound);
     }
-    if !(figures.frobenius <= figures.frobenius_bound) {
+    if exceeds(figures.frobenius, figures.frobenius_bound) {
         return inaccurate(
             "Frobenius difference",
             figures.frobenius,

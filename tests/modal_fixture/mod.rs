@@ -1,6 +1,8 @@
 //! Modal systems for the tests of the sums, and the plain sum that they are compared with.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub mod device;
+
 use nalgebra::{Complex, DMatrix};
 use stiffmap::frf::{ComplianceMap, FrfRequest, ModalSystem, Quantity};
 
@@ -47,6 +49,23 @@ pub fn residual(numbers: &mut Numbers, n_ports: usize) -> Vec<DMatrix<Complex<f6
             (&a * a.transpose()).map(|x| Complex::new(x * scale, 0.0))
         })
         .collect()
+}
+
+/// A case with everything: both dampings, a residual, different numbers of modes a position.
+pub fn rich(n_ports: usize) -> Case {
+    let mut numbers = Numbers(21);
+    let systems = (0..5)
+        .map(|p| {
+            let mut system = symmetric_system(&mut numbers, n_ports, 6 + p, 0.01);
+            system
+                .loss_factors
+                .iter_mut()
+                .for_each(|eta| *eta = numbers.within(0.0, 0.03));
+            system.residual = residual(&mut numbers, n_ports);
+            system
+        })
+        .collect();
+    Case::new(systems, (0..700).map(|i| 1.3 * i as f64).collect())
 }
 
 /// Owned parts of a request.
