@@ -1,2 +1,36 @@
 //! Arguments in, exit code out.
-fn main() {}
+
+mod cli;
+
+use clap::Parser;
+use std::process::ExitCode;
+use stiffmap::interrupt::Interrupt;
+
+fn main() -> ExitCode {
+    let arguments = cli::Cli::parse();
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_env_filter(tracing_subscriber::EnvFilter::try_from_env("STIFFMAP_LOG").unwrap_or_else(|_| "error".into()))
+        .init();
+    let interrupt = Interrupt::default();
+    let asked = interrupt.clone();
+    let handler = ctrlc::set_handler(move || {
+        if asked.requested() {
+            // Asked twice: leave at once, without the temporaries.
+            let _ = stiffmap::export::atomic::remove_temporaries();
+            std::process::exit(cli::Exit::Interrupted as i32);
+        }
+        asked.request();
+    });
+    if let Err(error) = handler {
+        eprintln!("warning: Ctrl-C is not caught: {error}");
+    }
+    match cli::execute(arguments, &interrupt) {
+        Ok(()) => ExitCode::from(cli::Exit::Done as u8),
+        Err(error) => {
+            let code = cli::exit_code(&error, &interrupt);
+            eprintln!("error: {error:#}");
+            ExitCode::from(code as u8)
+        }
+    }
+}

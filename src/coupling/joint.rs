@@ -2,7 +2,7 @@
 
 use super::CouplingError;
 use crate::machine::{Axis, JointKind, Motion, SpringStiffness};
-use crate::reduction::{ReducedInterface, ReducedRail};
+use crate::reduction::{LEAST_SHARE, ReducedInterface, ReducedRail};
 use crate::solid::rotation_arm;
 use nalgebra::{DMatrix, RowDVector};
 use std::f64::consts::PI;
@@ -129,4 +129,31 @@ impl CoupledJoint {
         };
         self.springs.iter().map(one).collect()
     }
+}
+
+/// Says where a footprint hangs over the end of its rail, if it does anywhere.
+///
+/// # Errors
+/// [`CouplingError::FootprintLeavesRail`] at the first position where too little of it is left.
+pub(crate) fn overhang(
+    joint: &str,
+    (rail_from, rail_to): (f64, f64),
+    length: f64,
+    positions: &[f64],
+    centre: impl Fn(f64) -> f64,
+) -> Result<Option<String>, CouplingError> {
+    let mut least: Option<(f64, f64)> = None;
+    for &position in positions {
+        let (from, to) = (centre(position) - 0.5 * length, centre(position) + 0.5 * length);
+        let share = ((to.min(rail_to) - from.max(rail_from)) / length).max(0.0);
+        if share < LEAST_SHARE {
+            return Err(CouplingError::FootprintLeavesRail { joint: joint.to_string(), position, from, to, rail_from, rail_to });
+        }
+        if share < 1.0 - 1e-9 && least.is_none_or(|(l, _)| share < l) {
+            least = Some((share, position));
+        }
+    }
+    Ok(least.map(|(share, position)| {
+        format!("joint \"{joint}\": at {position} m only {:.0} % of the footprint lies on the rail; the part on it carries", 100.0 * share)
+    }))
 }

@@ -20,6 +20,7 @@ mod side_by_side;
 mod training;
 
 pub use basis::BasisOptions;
+pub(crate) use joint::overhang;
 pub use joint::{CoupledJoint, CoupledSpring};
 pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};
 pub use side_by_side::{PortRow, SideBySide};

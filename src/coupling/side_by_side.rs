@@ -1,7 +1,7 @@
 //! Superelements side by side: the machine before its fixed basis, and the oracle for it.
 
 use super::CouplingError;
-use super::joint::{CoupledJoint, CoupledSpring, Side, SideSurface};
+use super::joint::{CoupledJoint, CoupledSpring, Side, SideSurface, overhang};
 use crate::linalg::{count_negative, multiply};
 use crate::machine::{Axis, JointPoint, Machine};
 use crate::reduction::Superelement;
@@ -105,6 +105,19 @@ impl SideBySide {
             model.rows(position)?;
         }
         Ok(model)
+    }
+
+    /// The joints whose footprints hang over the end of their rail somewhere in the travel, in words.
+    pub fn overhangs(&self) -> Vec<String> {
+        let stations = self.axis.stations();
+        let one = |joint: &CoupledJoint| {
+            let SideSurface::Rail(rail) = &joint.sides[0].surface else { return None };
+            let relative = f64::from(joint.sides[1].moves) - f64::from(joint.sides[0].moves);
+            let along = |x: [f64; 3]| (0..3).map(|c| x[c] * self.axis.direction[c]).sum::<f64>();
+            let centre = |p: f64| along(joint.point) + relative * p;
+            overhang(&joint.name, rail.surface.extent(self.axis.direction), joint.footprint?, &stations, centre).ok().flatten()
+        };
+        self.joints.iter().filter_map(one).collect()
     }
 
     /// Coordinates.

@@ -3,6 +3,19 @@
 /// Why a map could not be computed.
 #[derive(Debug, thiserror::Error)]
 pub enum FrfError {
+    /// No degree of the residual polynomial meets the tolerance.
+    #[error(
+        "the modes above twice the band differ from a polynomial of degree {degree} by {error:.1e}, {tolerance:.0e} is \
+         allowed; raise the number of component modes"
+    )]
+    Truncation {
+        /// Highest degree tried.
+        degree: usize,
+        /// Relative Frobenius difference left.
+        error: f64,
+        /// Difference allowed.
+        tolerance: f64,
+    },
     /// There is nothing to compute.
     #[error("the list of {what} is empty; give at least one")]
     Empty {

@@ -30,6 +30,9 @@ pub struct Modes {
     pub direct: DMatrix<f64>,
 }
 
+/// Share of the largest elastic mode's port motion above which a port feels a free motion.
+const FELT: f64 = 1e-6;
+
 /// A motion that nothing resists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeMotion {
@@ -49,6 +52,16 @@ impl Modes {
     pub fn count_up_to(&self, frequency: f64) -> usize {
         let limit = (TAU * frequency).powi(2);
         self.eigenvalues.iter().take_while(|l| **l <= limit).count()
+    }
+
+    /// Whether a mode moves both an output and an input by more than rounding: a free motion that it
+    /// does not (a spindle that turns about its axis, for a force through that axis) is left out of sums.
+    ///
+    /// The bound is 1e-6 of what the softest elastic mode moves.
+    pub fn is_felt(&self, r: usize) -> bool {
+        let product = |r: usize| self.outputs.column(r).norm() * self.inputs.column(r).norm();
+        let elastic = (self.free..self.eigenvalues.len()).map(product).fold(0.0, f64::max);
+        product(r) > FELT * elastic
     }
 
     /// What the free motions are.

@@ -106,6 +106,17 @@ pub struct ReducedRail {
     pub basis: DMatrix<f64>,
 }
 
+impl ReductionRequest {
+    /// Coordinates that the reduced part has at most.
+    pub fn most_coordinates(&self) -> usize {
+        let rails: std::collections::BTreeSet<usize> = self.rails.iter().map(|r| r.interface).collect();
+        let motions = 6 * (self.part.interfaces.len() - rails.len());
+        let trained: usize = self.rails.iter().map(|r| r.centres.len() * r.springs.len()).sum();
+        let rigid = if self.part.clamped.is_empty() && self.component.method == ReductionMethod::FreeInterface { 6 } else { 0 };
+        rigid + self.component.modes + (motions + trained) * if self.component.second_moment { 2 } else { 1 }
+    }
+}
+
 impl Superelement {
     /// Reduced coordinates.
     pub fn n(&self) -> usize {

@@ -1,5 +1,9 @@
 //! Modal state space at a position (the paper's equations (4) to (11)).
 
+mod assemble;
+
+pub use assemble::{StateSpaceOptions, state_space};
+
 use nalgebra::DMatrix;
 
 /// A modal state-space system x' = A x + B u, y = C x + D u at one position.

@@ -1,0 +1,122 @@
+//! `stiffmap check`: what is understood of a machine.
+
+use super::machine_path;
+use anyhow::Result;
+use clap::Args;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use stiffmap::coupling::reduction_requests;
+use stiffmap::machine::{JointKind, Machine, Motion, SpringStiffness, read_machine};
+use stiffmap::pipeline;
+use stiffmap::solid::assemble;
+
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Machine file, or the folder that holds machine.toml; the bundled vertical mill without it
+    machine: Option<PathBuf>,
+}
+
+/// Reads, assembles and describes a machine; nothing is solved and nothing is written.
+pub fn check(arguments: &Arguments) -> Result<()> {
+    let (path, _bundled) = machine_path(arguments.machine.as_deref())?;
+    let machine = read_machine(&path)?;
+    let meshes = pipeline::read_meshes(&machine)?;
+    let mut out = String::new();
+    writeln!(out, "{}\n", machine.name)?;
+    writeln!(out, "part              nodes  elements  unknowns    mass kg  interfaces")?;
+    let mut centroids = Vec::new();
+    for (part, file) in machine.parts.iter().zip(&meshes) {
+        let system = assemble(part, &file.mesh).map_err(pipeline::PipelineError::from)?;
+        writeln!(
+            out,
+            "{:<16} {:6}  {:8}  {:8} {:10.2}  {}{}",
+            part.name,
+            file.mesh.nodes.len(),
+            file.mesh.cells.len(),
+            system.n_dof(),
+            system.total_mass,
+            part.interfaces.iter().map(|i| i.name.as_str()).collect::<Vec<_>>().join(", "),
+            if part.clamped.is_empty() { String::new() } else { format!("; clamped at {}", part.clamped.join(", ")) }
+        )?;
+        for warning in &file.warnings {
+            writeln!(out, "  line {}: {}", warning.line, warning.text)?;
+        }
+        centroids.push(system.interfaces.iter().map(|i| i.centroid).collect::<Vec<_>>());
+    }
+    let unknowns: usize = meshes.iter().map(|m| 3 * m.mesh.nodes.len()).sum();
+    let requests = reduction_requests(&machine, &centroids);
+    let coordinates: usize = requests.iter().map(stiffmap::reduction::ReductionRequest::most_coordinates).sum();
+    writeln!(out, "displacements before: {unknowns}; coordinates after the reduction: at most {coordinates}\n")?;
+    describe_joints(&mut out, &machine, &centroids)?;
+    describe_axis(&mut out, &machine)?;
+    let warnings = pipeline::check_travel(&machine, &meshes, &centroids)?;
+    for warning in warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
+    print!("{out}");
+    Ok(())
+}
+
+fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3]>]) -> Result<()> {
+    let side = |r: stiffmap::machine::InterfaceRef| {
+        let part = &machine.parts[r.part];
+        format!("{}.{}", part.name, part.interfaces[r.interface].name)
+    };
+    writeln!(out, "joint")?;
+    for joint in &machine.joints {
+        let springs: Vec<String> = joint.springs.iter().map(|s| match (s.stiffness, s.motion) {
+            (SpringStiffness::Constant(k), Motion::Translation) => format!("{} {:.4} N/um", s.label, k * 1e-6),
+            (SpringStiffness::Constant(k), Motion::Rotation) => format!("{} {k:.4e} N m/rad", s.label),
+            (SpringStiffness::BallScrew { young, diameter }, _) => {
+                let length = |p: f64| pipeline::screw_length(machine, joint, centroids, p);
+                let k = |p: f64| young * std::f64::consts::PI * diameter * diameter / (4.0 * length(p)) * 1e-6;
+                let [a, b] = machine.axis.travel;
+                format!(
+                    "E {:.1} GPa, D {:.1} mm, L {:.4} m at {a} m ({:.1} N/um), L {:.4} m at {b} m ({:.1} N/um)",
+                    young * 1e-9, diameter * 1e3, length(a), k(a), length(b), k(b)
+                )
+            }
+        }).collect();
+        let kind = match joint.kind {
+            JointKind::LinearGuide => "linear guide",
+            JointKind::Bearing => "bearing",
+            JointKind::BallScrew => "ball screw",
+            JointKind::Bolted => "bolted",
+            JointKind::SpringDamper => "spring-damper",
+        };
+        let footprint = joint.footprint.map_or_else(String::new, |f| format!(", footprint {:.1} mm", f * 1e3));
+        writeln!(out, "  {:<18} {kind}, {} on {}{footprint}: {}", joint.name, side(joint.between[1]), side(joint.between[0]), springs.join(", "))?;
+    }
+    Ok(())
+}
+
+fn describe_axis(out: &mut String, machine: &Machine) -> Result<()> {
+    let axis = &machine.axis;
+    let moving: Vec<&str> = machine.parts.iter().zip(&axis.moves).filter(|(_, m)| **m).map(|(p, _)| p.name.as_str()).collect();
+    writeln!(out, "\naxis {}: {} to {} m, {} stations; moves {}", axis.name, axis.travel[0], axis.travel[1], axis.stations().len(), moving.join(", "))?;
+    for port in &machine.ports {
+        let part = &machine.parts[port.interface.part];
+        let directions: Vec<&str> = port.directions.iter().map(|(d, _)| d.as_str()).collect();
+        writeln!(
+            out,
+            "port {}: {}.{}, {}{}{}",
+            port.name,
+            part.name,
+            part.interfaces[port.interface.interface].name,
+            directions.join(", "),
+            if port.input { ", input" } else { "" },
+            if port.output { ", output" } else { "" }
+        )?;
+    }
+    let grid = &machine.analysis.frequencies;
+    writeln!(
+        out,
+        "analysis: {} component modes a part, {} elastic modes a position, {} frequencies from {} to {} Hz",
+        machine.analysis.component.modes,
+        machine.analysis.modes,
+        grid.len(),
+        grid.first().copied().unwrap_or_default(),
+        grid.last().copied().unwrap_or_default()
+    )?;
+    Ok(())
+}

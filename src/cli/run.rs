@@ -1,0 +1,342 @@
+//! `stiffmap run`: the main job.
+
+use super::overrides::Overrides;
+use super::progress::Progress;
+use super::{cache_folder, machine_path, summary};
+use anyhow::{Context, Result};
+use clap::Args;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use stiffmap::export::manifest::{Check, Manifest};
+use stiffmap::export::{eigenfrequencies, mat, surface};
+use stiffmap::figures::{FigureInput, HeightScale, draw_all};
+use stiffmap::frf::metrics::{PairMetrics, direct_pairs, metrics};
+use stiffmap::frf::{ComplianceMap, FrfRequest, ModalSystem, Quantity, Selection, Truncation, modal_sum, modal_systems};
+use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision, compute};
+use stiffmap::interrupt::Interrupt;
+use stiffmap::machine::{Machine, read_machine};
+use stiffmap::modal::{ModeTableRow, mode_table};
+use stiffmap::pipeline::{self, PipelineError, Solved};
+use stiffmap::reduction::Cache;
+use stiffmap::state_space::{StateSpaceOptions, state_space};
+
+/// Tolerance of the truncation, relative to the Frobenius norm of the receptance.
+const TRUNCATION: f64 = 1e-4;
+
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Machine file, or the folder that holds machine.toml; the bundled vertical mill without it
+    machine: Option<PathBuf>,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Leave the constant residual out; sums exactly the state space's modes
+    #[arg(long)]
+    no_residual: bool,
+    /// What computes the map: auto, cpu or gpu
+    #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu", value_parser = parse_backend)]
+    backend: Backend,
+    /// Precision on a device: f32 or f64 (the processor always uses f64)
+    #[arg(long, default_value = "f32", value_name = "f32|f64", value_parser = parse_precision)]
+    precision: Precision,
+    /// Output folder; results/<machine> without it
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Draw no pictures
+    #[arg(long)]
+    no_figures: bool,
+    /// Neither read nor write the cache of superelements
+    #[arg(long)]
+    no_cache: bool,
+    /// Print the manifest to stdout and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+fn parse_backend(text: &str) -> Result<Backend, String> {
+    text.parse()
+}
+
+fn parse_precision(text: &str) -> Result<Precision, String> {
+    match text {
+        "f32" => Ok(Precision::F32),
+        "f64" => Ok(Precision::F64),
+        _ => Err(format!("precision {text:?}: allowed are f32, f64")),
+    }
+}
+
+/// What the run found, for files and summary.
+pub struct Outcome {
+    pub machine: Machine,
+    pub solved: Solved,
+    pub table: Vec<ModeTableRow>,
+    pub free_motions: Vec<String>,
+    pub truncation: Truncation,
+    pub map: ComplianceMap,
+    pub backend: BackendReport,
+    /// `[position][direct pair]`.
+    pub metrics: Vec<Vec<PairMetrics>>,
+    pub out: PathBuf,
+}
+
+/// Runs the main job.
+pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
+    let mut progress = Progress::new(arguments.json);
+    let (path, _bundled) = machine_path(arguments.machine.as_deref())?;
+    let mut machine = read_machine(&path)?;
+    let positions = arguments.overrides.apply(&mut machine)?;
+    let out = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(slug(&machine.name)));
+    std::fs::create_dir_all(&out).with_context(|| format!("--out {}", out.display()))?;
+
+    let parts = machine.parts.len();
+    let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(&machine))?;
+    let mut warnings = mesh_warnings(&machine, &meshes);
+    let cache = if arguments.no_cache { None } else { cache_folder().map(Cache::in_folder) };
+    let cached = progress.stage("reduce parts", parts, |step| pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), interrupt, step))?;
+    warnings.extend(pipeline::cache_warnings(&cached));
+    let hits = cached.iter().filter(|c| c.hit).count();
+    let superelements: Vec<_> = cached.into_iter().map(|c| c.superelement).collect();
+
+    let highest = machine.analysis.frequencies.iter().copied().fold(0.0, f64::max);
+    let reported = machine.analysis.modes;
+    let (model, band) = progress.stage("couple", 0, |_| pipeline::build_model(&machine, &superelements, reported, highest))?;
+    warnings.extend(model.side_by_side.overhangs());
+    let mut checks = Vec::new();
+    if hits < parts {
+        let check = progress.stage("check fixed basis", 0, |_| pipeline::check_basis(&machine, &model, reported))?;
+        checks.push(figure("fixed basis against the superelements side by side, largest relative frequency difference", check, 1e-5));
+    }
+    let solved = progress.stage("modes", positions.len(), |step| {
+        pipeline::solve_positions(&machine, &model, &positions, reported, 2.0 * highest, interrupt, step)
+    })?;
+    checks.push(figure(
+        "modes found minus modes counted by inertia, largest over the positions",
+        solved.counts.iter().map(|c| c.found.abs_diff(c.counted)).max().unwrap_or(0) as f64,
+        0.0,
+    ));
+
+    let exactly = arguments.overrides.modes.is_some() || arguments.no_residual;
+    let selection = if exactly { Selection::Exactly { modes: reported, residual: !arguments.no_residual } } else { Selection::Controlled { tolerance: TRUNCATION } };
+    let (systems, truncation) = modal_systems(&solved.modes, highest, selection)?;
+    if !exactly {
+        checks.push(figure("truncation of the map against all modes of the basis, relative Frobenius norm", truncation.error, TRUNCATION));
+    }
+    let (outputs, inputs) = (model.output_names(), model.input_names());
+    let request = FrfRequest {
+        positions: &positions,
+        systems: &systems,
+        frequencies: &machine.analysis.frequencies,
+        outputs: &outputs,
+        inputs: &inputs,
+        quantity: Quantity::Receptance,
+    };
+    let options = BackendOptions {
+        backend: arguments.backend,
+        precision: arguments.precision,
+        cache_dir: if arguments.no_cache { None } else { cache_folder() },
+    };
+    let (map, backend) = progress.stage("compliance map", 0, |_| compute(&request, &options))?;
+    let metrics = metrics(&request, &map, &direct_pairs(&request))?;
+
+    let mut manifest = Manifest {
+        name: machine.name.clone(),
+        machine_file: arguments.machine.as_ref().map_or_else(|| "bundled vertical mill".into(), |p| p.display().to_string()),
+        backend: without_nulls(serde_json::to_value(&backend)?),
+        checks,
+        warnings,
+        ..Manifest::default()
+    };
+    describe_input(&mut manifest, &machine)?;
+    describe_size(&mut manifest, &superelements, model.n(), &solved, &machine, &truncation);
+    describe_settings(&mut manifest, &machine, arguments, &truncation, band);
+    manifest.counts.push("parts_from_cache", hits as u64);
+    let free_motions = summary::free_motions(&solved, &model);
+    manifest.settings.push("free_motions", json!(free_motions));
+    manifest.settings.push("veerings", json!(summary::veerings(&solved.families)));
+
+    let outcome = Outcome { table: mode_table(&solved.families), free_motions, machine, solved, truncation, map, backend, metrics, out };
+    manifest.settings.push("smallest_dynamic_stiffness", json!(summary::smallest_stiffness(&outcome)));
+    let states = StateSpaceOptions { modes: reported, velocity: false, acceleration: false, residual: !arguments.no_residual };
+    write(&outcome, &request_for_figures(&outcome, &systems), states, arguments, &mut progress, &mut manifest, interrupt)?;
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&manifest)?);
+    } else {
+        summary::print(&outcome, &manifest, &progress);
+    }
+    Ok(())
+}
+
+/// Writes every file, the manifest last.
+fn write(
+    outcome: &Outcome,
+    systems: &FigureRequest<'_>,
+    states: StateSpaceOptions,
+    arguments: &Arguments,
+    progress: &mut Progress,
+    manifest: &mut Manifest,
+    interrupt: &Interrupt,
+) -> Result<()> {
+    let go_on = || if interrupt.requested() { Err(PipelineError::Interrupted) } else { Ok(()) };
+    let (out, map) = (&outcome.out, &outcome.map);
+    let mut files: Vec<String> = Vec::new();
+    progress.stage("write files", 0, |_| -> Result<()> {
+        go_on()?;
+        eigenfrequencies::write_families(&out.join("eigenfrequencies.csv"), &outcome.solved.families)?;
+        eigenfrequencies::write_mode_table(&out.join("mode_table.csv"), &outcome.table)?;
+        go_on()?;
+        mat::write_compliance(&out.join("compliance.mat"), map)?;
+        go_on()?;
+        let systems: Vec<_> = outcome.solved.modes.iter().map(|m| state_space(m, states)).collect();
+        mat::write_state_space(&out.join("state_space.mat"), &systems, &map.outputs, &map.inputs)?;
+        go_on()?;
+        files.extend(["eigenfrequencies.csv", "mode_table.csv", "compliance.mat", "state_space.mat"].map(String::from));
+        files.extend(surface::write_direct_surfaces(out, map)?.iter().map(|p| relative(p, out)));
+        Ok(())
+    })?;
+    if !arguments.no_figures {
+        let drawn = progress.stage("draw pictures", 0, |_| -> Result<Vec<PathBuf>> {
+            go_on()?;
+            let folder = out.join("figures");
+            std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+            let fine = modal_sum(&systems.request())?;
+            go_on()?;
+            let input = FigureInput {
+                machine: &outcome.machine.name,
+                axis: &outcome.machine.axis.name,
+                families: &outcome.solved.families,
+                map: &fine,
+                height: HeightScale::Linear,
+            };
+            Ok(draw_all(&input, &folder)?)
+        })?;
+        files.extend(drawn.iter().map(|p| relative(p, out)));
+    }
+    go_on()?;
+    files.push("manifest.json".into());
+    manifest.files = files;
+    for (stage, seconds) in progress.seconds() {
+        manifest.seconds.push(stage.clone(), (seconds * 1e4).round() / 1e4);
+    }
+    manifest.write(&out.join("manifest.json"))?;
+    Ok(())
+}
+
+/// The request that pictures are drawn from: the same modes on a grid fine enough for narrow peaks.
+struct FigureRequest<'a> {
+    map: &'a ComplianceMap,
+    systems: &'a [ModalSystem],
+    frequencies: Vec<f64>,
+}
+
+impl FigureRequest<'_> {
+    fn request(&self) -> FrfRequest<'_> {
+        FrfRequest {
+            positions: &self.map.positions,
+            systems: self.systems,
+            frequencies: &self.frequencies,
+            outputs: &self.map.outputs,
+            inputs: &self.map.inputs,
+            quantity: Quantity::Receptance,
+        }
+    }
+}
+
+/// Frequencies a picture is made of, at least; a coarser grid is divided.
+const PICTURE_FREQUENCIES: usize = 3600;
+/// Values that a picture's map may hold.
+const PICTURE_VALUES: usize = 6_000_000;
+
+fn request_for_figures<'a>(outcome: &'a Outcome, systems: &'a [ModalSystem]) -> FigureRequest<'a> {
+    let (map, given) = (&outcome.map, &outcome.map.frequencies);
+    let pairs = map.positions.len() * map.outputs.len() * map.inputs.len();
+    let wanted = PICTURE_FREQUENCIES.min(PICTURE_VALUES / pairs.max(1));
+    let divide = (wanted / given.len().max(1)).max(1);
+    let mut frequencies: Vec<f64> =
+        given.windows(2).flat_map(|w| (0..divide).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / divide as f64)).collect();
+    frequencies.extend(given.last());
+    FigureRequest { map, systems, frequencies }
+}
+
+fn describe_input(manifest: &mut Manifest, machine: &Machine) -> Result<()> {
+    let mut add = |path: &Path| -> Result<()> {
+        let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+        if manifest.input_hashes.0.iter().all(|(seen, _)| *seen != name) {
+            let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+            manifest.input_hashes.push(name, blake3::hash(&bytes).to_hex().to_string());
+        }
+        Ok(())
+    };
+    add(&machine.file)?;
+    machine.parts.iter().try_for_each(|part| add(&part.mesh))
+}
+
+fn describe_size(
+    manifest: &mut Manifest,
+    superelements: &[stiffmap::reduction::Superelement],
+    basis: usize,
+    solved: &Solved,
+    machine: &Machine,
+    truncation: &Truncation,
+) {
+    let sum = |of: fn(&stiffmap::reduction::Superelement) -> usize| superelements.iter().map(of).sum::<usize>() as u64;
+    let counts = &mut manifest.counts;
+    counts.push("nodes", sum(|s| s.n_nodes));
+    counts.push("elements", sum(|s| s.n_elements));
+    counts.push("unknowns", sum(|s| s.n_dof));
+    counts.push("superelement_coordinates", sum(|s| s.n()));
+    counts.push("fixed_basis_coordinates", basis as u64);
+    counts.push("springs", machine.joints.iter().map(|j| j.springs.len()).sum::<usize>() as u64);
+    counts.push("positions", solved.modes.len() as u64);
+    counts.push("frequencies", machine.analysis.frequencies.len() as u64);
+    counts.push("elastic_modes_reported", machine.analysis.modes as u64);
+    counts.push("modes_in_map_fewest", truncation.fewest_modes as u64);
+    counts.push("modes_in_map_most", truncation.most_modes as u64);
+}
+
+fn describe_settings(manifest: &mut Manifest, machine: &Machine, arguments: &Arguments, truncation: &Truncation, band: f64) {
+    let settings = &mut manifest.settings;
+    let damping = &machine.analysis.damping;
+    settings.push("axis", json!(machine.axis.name));
+    settings.push("component_modes", json!(machine.analysis.component.modes));
+    settings.push("reduction", json!(format!("{:?}", machine.analysis.component.method)));
+    settings.push("second_moment", json!(machine.analysis.component.second_moment));
+    settings.push("fixed_basis_for_hz", json!(band));
+    settings.push("damping_ratios", json!(damping.ratios));
+    settings.push("loss_factor", json!(damping.loss_factor));
+    settings.push("exactly_n_modes", json!(arguments.overrides.modes.is_some() || arguments.no_residual));
+    if let Some(degree) = truncation.degree {
+        settings.push("residual_degree", json!(degree));
+    }
+    settings.push("truncation_error", json!(truncation.error));
+}
+
+fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {
+    let of_part = |(part, file): (&stiffmap::machine::Part, &stiffmap::mesh::MeshFile)| {
+        let name = part.mesh.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        file.warnings.iter().map(|w| format!("{name}, line {}: {}", w.line, w.text)).collect::<Vec<_>>()
+    };
+    machine.parts.iter().zip(meshes).flat_map(of_part).collect()
+}
+
+fn figure(name: &str, figure: f64, bound: f64) -> Check {
+    Check { name: name.into(), figure, bound, passed: figure <= bound }
+}
+
+fn without_nulls(value: serde_json::Value) -> serde_json::Value {
+    match value {
+        serde_json::Value::Object(map) => {
+            map.into_iter().filter(|(_, v)| !v.is_null()).map(|(k, v)| (k, without_nulls(v))).collect()
+        }
+        other => other,
+    }
+}
+
+fn relative(path: &Path, folder: &Path) -> String {
+    path.strip_prefix(folder).unwrap_or(path).to_string_lossy().replace('\\', "/")
+}
+
+/// A name as a folder: `vertical mill` becomes `vertical_mill`.
+fn slug(name: &str) -> String {
+    let slug: String = name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
+    let slug = slug.trim_matches('_').to_string();
+    if slug.is_empty() { "machine".into() } else { slug }
+}

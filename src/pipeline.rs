@@ -1,0 +1,226 @@
+//! The main job's stages, each a function from one named struct to the next.
+
+use crate::coupling::{BasisOptions, CoupledModel, CouplingError, couple, reduction_requests};
+use crate::interrupt::Interrupt;
+use crate::linalg::{LinalgError, symmetric_eigen};
+use crate::machine::{Joint, JointPoint, Machine};
+use crate::mesh::{MeshError, MeshFile, read_mesh_file};
+use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, check_count, modes_at, track};
+use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
+use crate::solid::{SolidError, interface_motions};
+use rayon::prelude::*;
+
+/// Why a stage failed.
+#[derive(Debug, thiserror::Error)]
+pub enum PipelineError {
+    /// A mesh file is missing or not usable.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A part is not usable.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
+    /// A part could not be reduced.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// The parts could not be coupled.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// The modes of a position could not be had.
+    #[error(transparent)]
+    Modal(#[from] ModalError),
+    /// The user asked to stop.
+    #[error("interrupted; nothing half-written is left")]
+    Interrupted,
+}
+
+impl PipelineError {
+    /// Whether the input is to blame (exit code 2) and not the computation.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Mesh(_) | Self::Solid(_) => true,
+            Self::Reduction(error) => matches!(error, ReductionError::Solid(_) | ReductionError::NotHeld { .. }),
+            Self::Coupling(error) | Self::Modal(ModalError::Coupling(error)) => !matches!(error, CouplingError::Basis(_)),
+            Self::Modal(_) | Self::Interrupted => false,
+        }
+    }
+}
+
+/// Reports that one more of a stage's steps is done.
+pub type Step<'a> = &'a (dyn Fn() + Sync);
+
+/// Reads every part's mesh.
+///
+/// # Errors
+/// [`PipelineError::Mesh`], with file and line.
+pub fn read_meshes(machine: &Machine) -> Result<Vec<MeshFile>, PipelineError> {
+    machine.parts.par_iter().map(|part| Ok(read_mesh_file(&part.mesh, part.mesh_units)?)).collect()
+}
+
+/// Reduces every part, parts in parallel; superelements come from the cache where there is one.
+///
+/// # Errors
+/// [`PipelineError`] of the first part that fails.
+pub fn reduce_parts(
+    machine: &Machine,
+    meshes: &[MeshFile],
+    cache: Option<&Cache>,
+    interrupt: &Interrupt,
+    step: Step<'_>,
+) -> Result<Vec<Cached>, PipelineError> {
+    let centroids = machine.parts.iter().zip(meshes).map(|(part, file)| {
+        Ok(interface_motions(part, &file.mesh)?.iter().map(|(_, motion)| motion.centroid).collect())
+    });
+    let centroids = centroids.collect::<Result<Vec<Vec<[f64; 3]>>, SolidError>>()?;
+    let requests = reduction_requests(machine, &centroids);
+    // The largest part first, so that it does not run alone at the end.
+    let mut order: Vec<usize> = (0..requests.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(meshes[i].mesh.nodes.len()));
+    let one = |&i: &usize| -> Result<(usize, Cached), PipelineError> {
+        if interrupt.requested() {
+            return Err(PipelineError::Interrupted);
+        }
+        let (request, mesh) = (&requests[i], &meshes[i].mesh);
+        let made = match cache {
+            Some(cache) => cache.reduce(request, mesh, Some(interrupt)),
+            None => reduce(request, mesh, Some(interrupt)).map(|superelement| Cached { superelement, hit: false, warnings: Vec::new() }),
+        };
+        step();
+        match made {
+            Err(ReductionError::Linalg { source: LinalgError::Interrupted, .. }) => Err(PipelineError::Interrupted),
+            made => Ok((i, made?)),
+        }
+    };
+    let mut parts = order.par_iter().with_max_len(1).map(one).collect::<Result<Vec<_>, _>>()?;
+    parts.sort_by_key(|(i, _)| *i);
+    Ok(parts.into_iter().map(|(_, cached)| cached).collect())
+}
+
+/// Couples the superelements in a fixed basis made for frequencies up to `highest` (Hz), or as far up
+/// as the `reported` elastic modes reach where that is higher; returns the frequency it was made for.
+///
+/// # Errors
+/// [`PipelineError`] of coupling, or of the modes at the first station.
+pub fn build_model(machine: &Machine, superelements: &[Superelement], reported: usize, highest: f64) -> Result<(CoupledModel, f64), PipelineError> {
+    let model = couple(machine, superelements, BasisOptions::for_band(highest))?;
+    let modes = modes_at(&model, &machine.analysis.damping, machine.axis.travel[0], reported + 20)?;
+    let last = modes.frequency((modes.free + reported).min(modes.eigenvalues.len()) - 1);
+    // Frequencies move by some 10 % over a travel; a basis that reaches a quarter too far is no loss.
+    if 0.8 * last <= highest {
+        return Ok((model, highest));
+    }
+    let higher = 1.25 * last;
+    Ok((couple(machine, superelements, BasisOptions::for_band(higher))?, higher))
+}
+
+/// Largest relative difference of the lowest `reported` elastic frequencies between the fixed basis and
+/// the superelements side by side, at both ends and off the stations in the middle of the travel.
+///
+/// # Errors
+/// [`PipelineError::Coupling`] or [`PipelineError::Modal`].
+pub fn check_basis(machine: &Machine, model: &CoupledModel, reported: usize) -> Result<f64, PipelineError> {
+    let [from, to] = machine.axis.travel;
+    let middle = 0.5 * (from + to) + 0.37 * machine.axis.step * (to - from).signum();
+    let one = |position: &f64| -> Result<f64, PipelineError> {
+        let modes = modes_at(model, &machine.analysis.damping, *position, reported + 20)?;
+        let side_by_side = model.side_by_side.coupled_stiffness(*position)?;
+        let exact = symmetric_eigen(&side_by_side).map_err(|source| ModalError::Eigen { position: *position, source })?;
+        let last = (modes.free + reported).min(modes.eigenvalues.len());
+        let difference = |r: usize| (modes.eigenvalues[r] / exact.values[r]).sqrt() - 1.0;
+        Ok((modes.free..last).map(|r| difference(r).abs()).fold(0.0, f64::max))
+    };
+    let errors = [from, middle, to].par_iter().map(one).collect::<Result<Vec<f64>, _>>()?;
+    Ok(errors.into_iter().fold(0.0, f64::max))
+}
+
+/// Modes at every position, each counted, and their families.
+#[derive(Debug)]
+pub struct Solved {
+    /// Modes, one a position.
+    pub modes: Vec<Modes>,
+    /// The inertia counts, one a position.
+    pub counts: Vec<ModeCount>,
+    /// Families.
+    pub families: ModeFamilies,
+}
+
+/// Solves the positions in parallel, counts their modes and tracks them: `reported` elastic ones, and
+/// those up to `highest` (Hz) to full accuracy.
+///
+/// # Errors
+/// [`PipelineError::Modal`]; a missed mode is an error.
+pub fn solve_positions(
+    machine: &Machine,
+    model: &CoupledModel,
+    positions: &[f64],
+    reported: usize,
+    highest: f64,
+    interrupt: &Interrupt,
+    step: Step<'_>,
+) -> Result<Solved, PipelineError> {
+    let damping = &machine.analysis.damping;
+    let polished = model.eigenvalues.iter().filter(|l| **l < (std::f64::consts::TAU * highest).powi(2)).count();
+    let polished = (polished + 8).max(reported + 20);
+    let one = |&position: &f64| -> Result<(Modes, ModeCount), PipelineError> {
+        if interrupt.requested() {
+            return Err(PipelineError::Interrupted);
+        }
+        let modes = modes_at(model, damping, position, polished)?;
+        let count = check_count(model, &modes, modes.free + reported)?;
+        step();
+        Ok((modes, count))
+    };
+    let (modes, counts): (Vec<Modes>, Vec<ModeCount>) = positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+    let families = track(&modes, reported, &|position| modes_at(model, damping, position, polished))?;
+    Ok(Solved { modes, counts, families })
+}
+
+/// What the user should know about the cache.
+pub fn cache_warnings(parts: &[Cached]) -> Vec<String> {
+    parts.iter().flat_map(|p| p.warnings.iter().map(CacheError::to_string)).collect()
+}
+
+/// Free length of a ball screw at a position, from the interfaces' centroids in the drawn pose, m.
+pub fn screw_length(machine: &Machine, joint: &Joint, centroids: &[Vec<[f64; 3]>], position: f64) -> f64 {
+    let axis = &machine.axis;
+    let direction = joint.springs.first().map_or(axis.direction, |s| s.direction);
+    let drawn = |side: usize| centroids[joint.between[side].part][joint.between[side].interface];
+    let moved = |side: usize| f64::from(axis.moves[joint.between[side].part]) * position;
+    let along = |x: [f64; 3]| (0..3).map(|c| x[c] * direction[c]).sum::<f64>();
+    let travel = (0..3).map(|c| axis.direction[c] * direction[c]).sum::<f64>();
+    let apart = along(drawn(0)) - along(drawn(1));
+    (apart + travel * (moved(0) - moved(1))) * apart.signum()
+}
+
+/// Checks every station of the travel from the meshes alone: footprints on their rails, screws of
+/// positive length. Returns what is allowed but worth knowing.
+///
+/// # Errors
+/// [`PipelineError::Coupling`] with the joint and the position.
+pub fn check_travel(machine: &Machine, meshes: &[MeshFile], centroids: &[Vec<[f64; 3]>]) -> Result<Vec<String>, PipelineError> {
+    let axis = &machine.axis;
+    let mut warnings = Vec::new();
+    for joint in &machine.joints {
+        let screw = joint.springs.iter().any(|s| matches!(s.stiffness, crate::machine::SpringStiffness::BallScrew { .. }));
+        for position in axis.travel.iter().filter(|_| screw) {
+            let length = screw_length(machine, joint, centroids, *position);
+            if length.is_nan() || length <= 0.0 {
+                return Err(CouplingError::ScrewLength { joint: joint.name.clone(), position: *position, length }.into());
+            }
+        }
+        let Some(footprint) = joint.footprint else { continue };
+        let [rail, carriage] = joint.between;
+        let part = &machine.parts[rail.part];
+        let surface = &interface_motions(part, &meshes[rail.part].mesh)?[rail.interface].0;
+        let point = match joint.at {
+            JointPoint::Point(x) => x,
+            JointPoint::Centroid(side) => centroids[joint.between[side].part][joint.between[side].interface],
+        };
+        let relative = f64::from(axis.moves[carriage.part]) - f64::from(axis.moves[rail.part]);
+        let centre = |p: f64| (0..3).map(|c| point[c] * axis.direction[c]).sum::<f64>() + relative * p;
+        let extent = surface.extent(axis.direction);
+        if let Some(warning) = crate::coupling::overhang(&joint.name, extent, footprint, &axis.stations(), centre)? {
+            warnings.push(warning);
+        }
+    }
+    Ok(warnings)
+}
