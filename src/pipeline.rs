@@ -101,7 +101,7 @@ pub fn reduce_parts(
 /// # Errors
 /// [`PipelineError`] of coupling, or of the modes at the first station.
 pub fn build_model(machine: &Machine, superelements: &[Superelement], reported: usize, highest: f64) -> Result<(CoupledModel, f64), PipelineError> {
-    let model = couple(machine, superelements, BasisOptions::for_band(highest))?;
+    let model = couple(machine, superelements, BasisOptions::up_to(highest))?;
     let modes = modes_at(&model, &machine.analysis.damping, machine.axis.travel[0], reported + 20)?;
     let last = modes.frequency((modes.free + reported).min(modes.eigenvalues.len()) - 1);
     // Frequencies move by some 10 % over a travel; a basis that reaches a quarter too far is no loss.
@@ -109,7 +109,7 @@ pub fn build_model(machine: &Machine, superelements: &[Superelement], reported: 
         return Ok((model, highest));
     }
     let higher = 1.25 * last;
-    Ok((couple(machine, superelements, BasisOptions::for_band(higher))?, higher))
+    Ok((couple(machine, superelements, BasisOptions::up_to(higher))?, higher))
 }
 
 /// Largest relative difference of the lowest `reported` elastic frequencies between the fixed basis and
@@ -143,8 +143,7 @@ pub struct Solved {
     pub families: ModeFamilies,
 }
 
-/// Solves the positions in parallel, counts their modes and tracks them: `reported` elastic ones, and
-/// those up to `highest` (Hz) to full accuracy.
+/// Solves the positions in parallel, counts their modes and tracks the `reported` lowest elastic ones.
 ///
 /// # Errors
 /// [`PipelineError::Modal`]; a missed mode is an error.
@@ -153,13 +152,11 @@ pub fn solve_positions(
     model: &CoupledModel,
     positions: &[f64],
     reported: usize,
-    highest: f64,
     interrupt: &Interrupt,
     step: Step<'_>,
 ) -> Result<Solved, PipelineError> {
     let damping = &machine.analysis.damping;
-    let polished = model.eigenvalues.iter().filter(|l| **l < (std::f64::consts::TAU * highest).powi(2)).count();
-    let polished = (polished + 8).max(reported + 20);
+    let polished = reported + 16;
     let one = |&position: &f64| -> Result<(Modes, ModeCount), PipelineError> {
         if interrupt.requested() {
             return Err(PipelineError::Interrupted);

@@ -106,7 +106,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         checks.push(figure("fixed basis against the superelements side by side, largest relative frequency difference", check, 1e-5));
     }
     let solved = progress.stage("modes", positions.len(), |step| {
-        pipeline::solve_positions(&machine, &model, &positions, reported, 2.0 * highest, interrupt, step)
+        pipeline::solve_positions(&machine, &model, &positions, reported, interrupt, step)
     })?;
     checks.push(figure(
         "modes found minus modes counted by inertia, largest over the positions",

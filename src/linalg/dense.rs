@@ -5,6 +5,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::matmul::matmul;
 use faer::diag::DiagMut;
+use faer::prelude::Solve;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use nalgebra::{DMatrix, DVector};
 
@@ -77,8 +78,9 @@ pub fn symmetric_eigen_polished(a: &DMatrix<f64>, polished: usize) -> Result<Sym
     for i in 0..n {
         shifted[(i, i)] += shift;
     }
-    let factor = shifted.cholesky().ok_or_else(failed)?;
-    let mut y = factor.solve(&vectors.columns(0, low).into_owned());
+    let factor = faer::linalg::solvers::Llt::new(view(&shifted), faer::Side::Lower).map_err(|_| failed())?;
+    let mut y = vectors.columns(0, low).into_owned();
+    factor.solve_in_place(MatMut::from_column_major_slice_mut(y.as_mut_slice(), n, low));
     for mut column in y.column_iter_mut() {
         column.normalize_mut();
     }

@@ -72,18 +72,24 @@ impl SparseSymmetric {
                 row[c] = *value;
             }
         }
-        for i in 0..self.n {
-            let mut sum = [0.0; PANEL];
-            for (j, v) in self.row(i) {
-                let row = &rows[j];
-                for c in 0..PANEL {
-                    sum[c] += v * row[c];
+        // Compiled once for each vector width and picked at run time.
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for i in 0..self.n {
+                    let mut sum = [0.0; PANEL];
+                    for (j, v) in self.row(i) {
+                        let row = &rows[j];
+                        for c in 0..PANEL {
+                            sum[c] += v * row[c];
+                        }
+                    }
+                    for (c, sum) in sum.iter().enumerate().take(columns) {
+                        out[c * self.n + i] = *sum;
+                    }
                 }
-            }
-            for (c, sum) in sum.iter().enumerate().take(columns) {
-                out[c * self.n + i] = *sum;
-            }
-        }
+            },
+        );
     }
 
     /// self + factor * other; both have the same pattern.

@@ -20,6 +20,9 @@ pub(super) struct Constrained<'a> {
     flexibility: &'a Flexibility<'a>,
     /// Independent interface motions, n x k.
     pub motions: DMatrix<f64>,
+    /// The unknowns that the interfaces touch, and the motions' rows there.
+    touched: Vec<usize>,
+    touched_motions: DMatrix<f64>,
     responses: DMatrix<f64>,
     saddle: LU<f64, Dyn, Dyn>,
 }
@@ -38,6 +41,8 @@ impl<'a> Constrained<'a> {
         let motions = multiply(motions, &combine);
         let responses = multiply(attachments, &combine);
         let compliance = multiply_transposed(&motions, &responses);
+        let touched: Vec<usize> = (0..motions.nrows()).filter(|&i| motions.row(i).iter().any(|v| *v != 0.0)).collect();
+        let touched_motions = motions.select_rows(&touched);
         let hold = multiply_transposed(&motions, &flexibility.rigid);
         let (k, r) = hold.shape();
         let mut matrix = DMatrix::zeros(k + r, k + r);
@@ -52,9 +57,10 @@ impl<'a> Constrained<'a> {
             let scale = compliance.norm() / hold.norm();
             matrix.view_mut((0, k), (k, r)).copy_from(&(&hold * scale));
             matrix.view_mut((k, 0), (r, k)).copy_from(&(hold.transpose() * scale));
-            return Ok(Self { flexibility, motions, responses: Self::with_rigid(responses, flexibility, scale), saddle: matrix.lu() });
+            let responses = Self::with_rigid(responses, flexibility, scale);
+            return Ok(Self { flexibility, motions, touched, touched_motions, responses, saddle: matrix.lu() });
         }
-        Ok(Self { flexibility, motions, responses, saddle: matrix.lu() })
+        Ok(Self { flexibility, motions, touched, touched_motions, responses, saddle: matrix.lu() })
     }
 
     /// Responses [X, scale R], so that u is one product of the saddle's solution.
@@ -85,7 +91,7 @@ impl<'a> Constrained<'a> {
         let size = self.responses.ncols();
         let elastic = self.flexibility.apply(load);
         let mut right_side = DMatrix::zeros(size, load.ncols());
-        right_side.view_mut((0, 0), (k, load.ncols())).copy_from(&-multiply_transposed(&self.motions, &elastic));
+        right_side.view_mut((0, 0), (k, load.ncols())).copy_from(&-multiply_transposed(&self.touched_motions, &elastic.select_rows(&self.touched)));
         if size > k {
             let scale = self.responses.column(k).norm() / self.flexibility.rigid.column(0).norm();
             let balance = multiply_transposed(&self.flexibility.rigid, load) * -scale;
