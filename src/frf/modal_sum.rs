@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::kernel::{Block, GROUP, Model, lay_out};
 use super::packing::{PackedSystem, Packing};
+use super::scatter::LARGE;
 use super::tiles::{Sink, Tile, TileLimits, TileRange, tiles};
 use super::{ComplianceMap, FrfError, FrfRequest};
 
@@ -144,6 +145,7 @@ fn fill_range(
     let n_values = request.values_per_pair();
     let frequencies = lay_out(&request.frequencies[range.frequencies.clone()]);
     let systems = &systems[range.positions.clone()];
+    let stream = values.len() >= LARGE;
     values
         .par_chunks_mut(range.frequencies.len() * n_values)
         .zip(systems)
@@ -160,6 +162,7 @@ fn fill_range(
                     Block {
                         model,
                         frequencies,
+                        stream,
                         values,
                     }
                     .sum();
