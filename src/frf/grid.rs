@@ -35,7 +35,7 @@ pub enum FrequencyGrid {
         to: f64,
         /// Natural frequency (Hz) and damping ratio (zeta + eta / 2) of each mode; modes outside the band are skipped.
         modes: Vec<(f64, f64)>,
-        /// Frequencies a mode; 13 put a neighbour within 2.6 % of any peak's height.
+        /// Frequencies a mode; with 13, one is the mode's own and no point of its circle is farther than pi/28 from one.
         points: usize,
         /// Frequencies of the background, at least 2: `from` and `to` are among them.
         background: usize,

@@ -11,6 +11,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::packing::{Denominator, PackedSystem, Packing};
 use super::request::Quantity;
+use super::scatter::{finish, scatter};
 
 /// Frequencies in a group at most: two vectors of eight lanes. Blocks start at multiples of it.
 pub(super) const GROUP: usize = 16;
@@ -64,6 +65,8 @@ pub(super) struct Block<'a> {
     pub model: Model<'a>,
     /// Whole groups in lane order.
     pub frequencies: &'a [f64],
+    /// Whether the values are written past the caches.
+    pub stream: bool,
     /// `[frequency, output, input]`, of as many frequencies as wanted.
     pub values: &'a mut [Complex<f64>],
 }
@@ -96,6 +99,7 @@ impl Block<'_> {
         let Block {
             model,
             frequencies,
+            stream,
             values,
         } = self;
         let Model {
@@ -130,35 +134,11 @@ impl Block<'_> {
                 .chunks_exact(n_pairs * S::F64_LANES)
                 .zip(values.chunks_mut(S::F64_LANES * n_values))
             {
-                match n_values {
-                    1 => scatter::<1>(sums, &packing.pair_of_value, S::F64_LANES, values),
-                    9 => scatter::<9>(sums, &packing.pair_of_value, S::F64_LANES, values),
-                    _ => {
-                        for (k, row) in values.chunks_exact_mut(n_values).enumerate() {
-                            for (value, &pair) in row.iter_mut().zip(&packing.pair_of_value) {
-                                *value = sums[pair * S::F64_LANES + k];
-                            }
-                        }
-                    }
-                }
+                scatter(sums, &packing.pair_of_value, S::F64_LANES, stream, values);
             }
         }
-    }
-}
-
-/// One vector's sums `[pair, lane]` into rows of `V` values a frequency.
-#[inline(always)]
-fn scatter<const V: usize>(
-    sums: &[Complex<f64>],
-    pair_of_value: &[usize],
-    lanes: usize,
-    values: &mut [Complex<f64>],
-) {
-    let rows = values.as_chunks_mut::<V>().0;
-    for value in 0..V {
-        let pair = pair_of_value[value];
-        for (row, sum) in rows.iter_mut().zip(&sums[pair * lanes..(pair + 1) * lanes]) {
-            row[value] = *sum;
+        if stream {
+            finish();
         }
     }
 }
@@ -289,7 +269,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     /// The sum of a small system at 37 frequencies on one kind of processor.
-    fn sum_on<S: Simd>(simd: S, n_ports: usize) -> Vec<Complex<f64>> {
+    fn sum_on<S: Simd>(simd: S, n_ports: usize, stream: bool) -> Vec<Complex<f64>> {
         let shapes = DMatrix::from_fn(n_ports, 7, |i, r| ((1 + i + 3 * r) as f64).sin());
         let system = ModalSystem {
             frequencies: (0..7).map(|r| 10.0 + 31.0 * r as f64).collect(),
@@ -324,6 +304,7 @@ mod tests {
         simd.vectorize(Block {
             model,
             frequencies: &laid_out,
+            stream,
             values: &mut values,
         });
         values
@@ -342,15 +323,15 @@ mod tests {
     #[test]
     fn every_kind_of_processor_sums_the_same() {
         for n_ports in 1..=4 {
-            let scalar = sum_on(pulp::Scalar::new(), n_ports);
+            let scalar = sum_on(pulp::Scalar::new(), n_ports, false);
             assert!(scalar.iter().all(|x| x.norm() > 0.0));
             #[cfg(target_arch = "x86_64")]
             {
                 if let Some(simd) = pulp::x86::V3::try_new() {
-                    assert!(difference(&sum_on(simd, n_ports), &scalar) < 1e-14);
+                    assert!(difference(&sum_on(simd, n_ports, true), &scalar) < 1e-14);
                 }
                 if let Some(simd) = pulp::x86::V4::try_new() {
-                    assert!(difference(&sum_on(simd, n_ports), &scalar) < 1e-14);
+                    assert!(difference(&sum_on(simd, n_ports, true), &scalar) < 1e-14);
                 }
             }
             let mut shifted = scalar.clone();

@@ -15,6 +15,7 @@ mod modal_sum;
 mod packing;
 mod point;
 mod request;
+mod scatter;
 mod tiles;
 mod truncation;
 

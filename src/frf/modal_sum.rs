@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::kernel::{Block, GROUP, Model, lay_out};
 use super::packing::{PackedSystem, Packing};
+use super::scatter::LARGE;
 use super::tiles::{Sink, Tile, TileLimits, TileRange, tiles};
 use super::{ComplianceMap, FrfError, FrfRequest};
 
@@ -70,7 +71,7 @@ pub fn modal_sum_tiles(
     sink: &mut Sink,
 ) -> Result<(), FrfError> {
     request.check()?;
-    let (packing, systems) = pack(request);
+    let packing = Packing::new(request);
     let n_values = request.values_per_pair();
     let limits = TileLimits {
         pairs: (TILE_VALUES / n_values).max(1),
@@ -89,7 +90,7 @@ pub fn modal_sum_tiles(
         let mut values = std::mem::take(&mut spare);
         values.resize(range.pairs() * n_values, Complex::new(0.0, 0.0));
         let ((), delivered) = rayon::join(
-            || fill_range(request, &packing, &systems, &range, &mut values),
+            || fill_range(request, &packing, &range, &mut values),
             || deliver(ready.take(), sink),
         );
         spare = delivered?;
@@ -115,41 +116,32 @@ fn deliver(
     Ok(values)
 }
 
-fn pack(request: &FrfRequest) -> (Packing, Vec<PackedSystem>) {
-    let packing = Packing::new(request);
-    let systems = request
-        .systems
-        .iter()
-        .map(|s| PackedSystem::new(s, &packing))
-        .collect();
-    (packing, systems)
-}
-
 fn fill(request: &FrfRequest, values: &mut [Complex<f64>]) {
-    let (packing, systems) = pack(request);
+    let packing = Packing::new(request);
     let range = TileRange {
         positions: 0..request.positions.len(),
         frequencies: 0..request.frequencies.len(),
     };
-    fill_range(request, &packing, &systems, &range, values);
+    fill_range(request, &packing, &range, values);
 }
 
 fn fill_range(
     request: &FrfRequest,
     packing: &Packing,
-    systems: &[PackedSystem],
     range: &TileRange,
     values: &mut [Complex<f64>],
 ) {
     let n_values = request.values_per_pair();
     let frequencies = lay_out(&request.frequencies[range.frequencies.clone()]);
-    let systems = &systems[range.positions.clone()];
+    let systems = &request.systems[range.positions.clone()];
+    let stream = values.len() >= LARGE;
     values
         .par_chunks_mut(range.frequencies.len() * n_values)
         .zip(systems)
         .for_each(|(values, system)| {
+            let system = PackedSystem::new(system, packing);
             let model = Model {
-                system,
+                system: &system,
                 packing,
                 quantity: request.quantity,
             };
@@ -160,6 +152,7 @@ fn fill_range(
                     Block {
                         model,
                         frequencies,
+                        stream,
                         values,
                     }
                     .sum();

@@ -9,7 +9,7 @@ use crate::frf::{
 };
 
 use super::model::{MICRON, Model};
-use super::shader::{Kernel, Precision, Variant, WORKGROUP};
+use super::shader::{CHUNK, Kernel, Params, Precision, Variant, WORKGROUP};
 use super::{Gpu, GpuError};
 
 /// Device bytes of a tile's values at most: large enough to fill a device, small enough for read-back to overlap.
@@ -116,6 +116,39 @@ pub fn modal_sum_without_low_parts(
         unpack.fill(&mut values[start..start + range.pairs() * request.values_per_pair()])
     })?;
     Ok(ComplianceMap::around(request, values))
+}
+
+/// What a device is given for a whole request in f32: the shader's text, the parameters, the arrays of group 0 in the
+/// order of their bindings, and the workgroups. For tests that run the shader elsewhere; the output is
+/// `[position, pair, frequency]`, (re, im) in um/N.
+#[doc(hidden)]
+pub fn shader_inputs(
+    request: &FrfRequest,
+    kernel: Kernel,
+) -> (String, Params, [Vec<u8>; 3], [u32; 3]) {
+    let packing = Packing::new(request);
+    let variant = Variant::new(kernel, Precision::F32, packing.pairs.len());
+    let model = Model::new(request, packing, variant.duos);
+    let tile = model.tile(
+        Precision::F32,
+        0..request.positions.len(),
+        request.frequencies,
+    );
+    let chunk = match kernel {
+        Kernel::ModalSum => WORKGROUP * variant.ways(),
+        Kernel::Metrics => CHUNK,
+    };
+    let workgroups = [
+        tile.params.n_frequencies.div_ceil(chunk),
+        tile.params.n_positions,
+        model.groups(variant.duos),
+    ];
+    (
+        variant.source(),
+        tile.params,
+        [tile.frequencies, tile.modes, tile.residual],
+        workgroups,
+    )
 }
 
 /// The tiles that the device's limits and the wish for overlap allow.

@@ -6,18 +6,20 @@
 
 use std::f64::consts::TAU;
 
-use crate::frf::{FrfRequest, PackedSystem, Packing};
+use rayon::prelude::*;
+
+use crate::frf::{FrfRequest, ModalSystem, PackedSystem, Packing};
 
 use super::shader::{Params, Precision};
 
 /// Metres in the device's unit of length.
 pub(super) const MICRON: f64 = 1e-6;
 
-/// A request packed once; tiles are cut from it.
+/// A request, from which tiles are packed.
 #[derive(Debug)]
-pub(super) struct Model {
+pub(super) struct Model<'a> {
     pub packing: Packing,
-    systems: Vec<PackedSystem>,
+    systems: &'a [ModalSystem],
     /// Hz in the unit of frequency, a power of two.
     scale: f64,
     n_modes: usize,
@@ -35,14 +37,10 @@ pub(super) struct TileModel {
     pub residual: Vec<u8>,
 }
 
-impl Model {
+impl<'a> Model<'a> {
     /// Packs a checked request for groups of `duos` duos.
-    pub fn new(request: &FrfRequest, packing: Packing, duos: u32) -> Model {
-        let systems: Vec<_> = request
-            .systems
-            .iter()
-            .map(|s| PackedSystem::new(s, &packing))
-            .collect();
+    pub fn new(request: &FrfRequest<'a>, packing: Packing, duos: u32) -> Model<'a> {
+        let systems = request.systems;
         let highest = request.frequencies[request.frequencies.len() - 1];
         let scale = if highest > 0.0 {
             highest.log2().ceil().exp2()
@@ -53,11 +51,7 @@ impl Model {
         Model {
             scale,
             n_modes: request.max_modes(),
-            n_degrees: systems
-                .iter()
-                .map(|s| s.residual.len() / n_pairs)
-                .max()
-                .unwrap_or(0),
+            n_degrees: systems.iter().map(|s| s.residual.len()).max().unwrap_or(0),
             n_duos: n_pairs.div_ceil(2).next_multiple_of(duos as usize),
             power: request.quantity.power(),
             packing,
@@ -97,7 +91,10 @@ impl Model {
             power: self.power,
             zero: 0,
         };
-        let systems = &self.systems[positions];
+        let systems: Vec<_> = self.systems[positions]
+            .par_iter()
+            .map(|s| PackedSystem::new(s, &self.packing))
+            .collect();
         let mut out = [
             Reals::new(precision),
             Reals::new(precision),

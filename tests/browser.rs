@@ -1,0 +1,184 @@
+//! The f32 kernels as WebGPU text: compiled by a browser's own compiler, run on its software adapter, same numbers.
+//!
+//! Runs the browser that STIFFMAP_CHROMIUM names, else `chromium`. Without one the test prints `skipped: no chromium`;
+//! with STIFFMAP_GPU=require that is a failure.
+
+mod modal_fixture;
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use modal_fixture::{Case, differences, rich};
+use nalgebra::Complex;
+use serde_json::{Value, json};
+use stiffmap::frf::metrics::grid_extrema;
+use stiffmap::frf::{ComplianceMap, Packing, modal_sum};
+use stiffmap::gpu::shader::{CHUNK, Extrema, Kernel};
+use stiffmap::gpu::shader_inputs;
+
+/// Ends the browser whatever the test does.
+struct Browser(Child);
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The page's answer to some jobs, or nothing where there is no browser.
+fn ask(jobs: &[Value]) -> Option<Value> {
+    let directory = tempfile::tempdir().unwrap();
+    let jobs = format!("<script>const JOBS = {};</script>", json!(jobs));
+    let page = directory.path().join("page.html");
+    std::fs::write(
+        &page,
+        format!("{jobs}\n{}", include_str!("browser/page.html")),
+    )
+    .unwrap();
+    let program = std::env::var("STIFFMAP_CHROMIUM").unwrap_or_else(|_| "chromium".to_string());
+    let child = Command::new(&program)
+        .args([
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-dev-shm-usage",
+            "--no-first-run",
+        ])
+        .args([
+            "--enable-unsafe-webgpu",
+            "--use-webgpu-adapter=swiftshader",
+            "--enable-logging=stderr",
+        ])
+        .arg(format!(
+            "--user-data-dir={}",
+            directory.path().join("profile").display()
+        ))
+        .arg(format!("file://{}", page.display()))
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn();
+    let mut browser = match child {
+        Ok(child) => Browser(child),
+        Err(e) => {
+            let required = std::env::var("STIFFMAP_GPU").is_ok_and(|v| v == "require");
+            assert!(
+                !required,
+                "STIFFMAP_GPU=require and {program} does not start: {e}"
+            );
+            println!("skipped: no chromium");
+            return None;
+        }
+    };
+    let lines = BufReader::new(browser.0.stderr.take().unwrap()).lines();
+    let (send, receive) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        lines
+            .map_while(Result::ok)
+            .try_for_each(|line| send.send(line))
+    });
+    let (mut text, deadline) = (String::new(), Instant::now() + Duration::from_secs(120));
+    loop {
+        let left = deadline.saturating_duration_since(Instant::now());
+        let line = receive
+            .recv_timeout(left)
+            .unwrap_or_else(|e| panic!("{program} gave no answer: {e}"));
+        let Some((_, piece)) = line.split_once("PIECE<") else {
+            continue;
+        };
+        let piece = piece.rsplit_once('>').map_or(piece, |(piece, _)| piece);
+        if piece == "END" {
+            break;
+        }
+        // The log writes quotation marks as they are, so a piece is the text itself.
+        text.push_str(piece);
+    }
+    let answer: Value = serde_json::from_str(&text)
+        .unwrap_or_else(|e| panic!("{e}: {}", &text[..200.min(text.len())]));
+    assert!(answer["error"].is_null(), "{}", answer["error"]);
+    println!("adapter: {} in {program}", answer["adapter"]);
+    Some(answer["results"].clone())
+}
+
+fn job(case: &Case, kernel: Kernel, words: usize) -> Value {
+    let (source, params, arrays, workgroups) = shader_inputs(&case.request(), kernel);
+    let words_of = |bytes: &[u8]| -> Vec<u32> { bytemuck::pod_collect_to_vec(bytes) };
+    let arrays = arrays.map(|bytes| words_of(&bytes));
+    let params = words_of(bytemuck::bytes_of(&params));
+    json!({ "source": source, "params": params, "arrays": arrays, "workgroups": workgroups, "words": words })
+}
+
+fn words(result: &Value) -> Vec<u32> {
+    assert!(result["error"].is_null(), "{}", result["error"]);
+    result["words"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|w| w.as_u64().unwrap() as u32)
+        .collect()
+}
+
+#[test]
+fn the_kernels_compile_and_compute_the_same_in_a_browser() {
+    let mut case = rich(3);
+    case.frequencies.truncate(200);
+    let request = case.request();
+    let packing = Packing::new(&request);
+    let (n_positions, n_frequencies, n_pairs) =
+        (request.positions.len(), request.frequencies.len(), 6);
+    let chunks = n_frequencies.div_ceil(CHUNK as usize);
+    let mut broken = job(&case, Kernel::ModalSum, 2);
+    broken["source"] = json!("fn main() { let x: u32 = 1.5; }");
+    let jobs = [
+        job(
+            &case,
+            Kernel::ModalSum,
+            n_positions * n_frequencies * n_pairs * 2,
+        ),
+        job(&case, Kernel::Metrics, n_positions * chunks * n_pairs * 4),
+        broken,
+    ];
+    let Some(results) = ask(&jobs) else { return };
+
+    let values: Vec<[f32; 2]> = bytemuck::cast_vec(
+        words(&results[0])
+            .chunks_exact(2)
+            .map(|w| [w[0], w[1]])
+            .collect::<Vec<[u32; 2]>>(),
+    );
+    let mut map: ComplianceMap = modal_sum(&request).unwrap();
+    let exact = map.clone();
+    for p in 0..n_positions {
+        for k in 0..n_frequencies {
+            for v in 0..9 {
+                let [re, im] = values[(p * n_pairs + packing.pair_of_value[v]) * n_frequencies + k];
+                let value = Complex::new(f64::from(re), f64::from(im)) * 1e-6;
+                map.values[(p * n_frequencies + k) * 9 + v] = value;
+            }
+        }
+    }
+    let (entry, frobenius) = differences(&case, &map);
+    let eps = f64::from(f32::EPSILON);
+    println!(
+        "browser: entry {:.2} eps, Frobenius {frobenius:.2e}",
+        entry / eps
+    );
+    assert!(
+        entry <= 8.0 * eps && frobenius <= 2e-6,
+        "entry {:.2} eps, {frobenius:.2e}",
+        entry / eps
+    );
+
+    let records: Vec<Extrema<f32>> = bytemuck::pod_collect_to_vec(&words(&results[1]));
+    let expected = grid_extrema(&exact, &packing.pairs);
+    for (found, expected) in records.iter().zip(expected.iter().flatten()) {
+        let found = (found.peak_at as usize, found.real_part_at as usize);
+        assert_eq!(found, (expected.peak, expected.most_negative_real));
+    }
+    assert!(
+        !results[2]["error"].is_null(),
+        "the browser refuses a shader that is none"
+    );
+}
