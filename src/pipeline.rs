@@ -39,7 +39,9 @@ impl PipelineError {
         match self {
             Self::Mesh(_) | Self::Solid(_) => true,
             Self::Reduction(error) => matches!(error, ReductionError::Solid(_) | ReductionError::NotHeld { .. }),
-            Self::Coupling(error) | Self::Modal(ModalError::Coupling(error)) => !matches!(error, CouplingError::Basis(_)),
+            Self::Coupling(error) | Self::Modal(ModalError::Coupling(error)) => {
+                !matches!(error, CouplingError::Basis(_))
+            }
             Self::Modal(_) | Self::Interrupted => false,
         }
     }
@@ -82,7 +84,11 @@ pub fn reduce_parts(
         let (request, mesh) = (&requests[i], &meshes[i].mesh);
         let made = match cache {
             Some(cache) => cache.reduce(request, mesh, Some(interrupt)),
-            None => reduce(request, mesh, Some(interrupt)).map(|superelement| Cached { superelement, hit: false, warnings: Vec::new() }),
+            None => reduce(request, mesh, Some(interrupt)).map(|superelement| Cached {
+                superelement,
+                hit: false,
+                warnings: Vec::new(),
+            }),
         };
         step();
         match made {
@@ -100,7 +106,12 @@ pub fn reduce_parts(
 ///
 /// # Errors
 /// [`PipelineError`] of coupling, or of the modes at the first station.
-pub fn build_model(machine: &Machine, superelements: &[Superelement], reported: usize, highest: f64) -> Result<(CoupledModel, f64), PipelineError> {
+pub fn build_model(
+    machine: &Machine,
+    superelements: &[Superelement],
+    reported: usize,
+    highest: f64,
+) -> Result<(CoupledModel, f64), PipelineError> {
     let model = couple(machine, superelements, BasisOptions::up_to(highest))?;
     let modes = modes_at(&model, &machine.analysis.damping, machine.axis.travel[0], reported + 20)?;
     let last = modes.frequency((modes.free + reported).min(modes.eigenvalues.len()) - 1);
@@ -123,7 +134,8 @@ pub fn check_basis(machine: &Machine, model: &CoupledModel, reported: usize) -> 
     let one = |position: &f64| -> Result<f64, PipelineError> {
         let modes = modes_at(model, &machine.analysis.damping, *position, reported + 20)?;
         let side_by_side = model.side_by_side.coupled_stiffness(*position)?;
-        let exact = symmetric_eigen(&side_by_side).map_err(|source| ModalError::Eigen { position: *position, source })?;
+        let exact =
+            symmetric_eigen(&side_by_side).map_err(|source| ModalError::Eigen { position: *position, source })?;
         let last = (modes.free + reported).min(modes.eigenvalues.len());
         let difference = |r: usize| (modes.eigenvalues[r] / exact.values[r]).sqrt() - 1.0;
         Ok((modes.free..last).map(|r| difference(r).abs()).fold(0.0, f64::max))
@@ -166,7 +178,8 @@ pub fn solve_positions(
         step();
         Ok((modes, count))
     };
-    let (modes, counts): (Vec<Modes>, Vec<ModeCount>) = positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+    let (modes, counts): (Vec<Modes>, Vec<ModeCount>) =
+        positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
     let families = track(&modes, reported, &|position| modes_at(model, damping, position, polished))?;
     Ok(Solved { modes, counts, families })
 }
@@ -193,15 +206,22 @@ pub fn screw_length(machine: &Machine, joint: &Joint, centroids: &[Vec<[f64; 3]>
 ///
 /// # Errors
 /// [`PipelineError::Coupling`] with the joint and the position.
-pub fn check_travel(machine: &Machine, meshes: &[MeshFile], centroids: &[Vec<[f64; 3]>]) -> Result<Vec<String>, PipelineError> {
+pub fn check_travel(
+    machine: &Machine,
+    meshes: &[MeshFile],
+    centroids: &[Vec<[f64; 3]>],
+) -> Result<Vec<String>, PipelineError> {
     let axis = &machine.axis;
     let mut warnings = Vec::new();
     for joint in &machine.joints {
-        let screw = joint.springs.iter().any(|s| matches!(s.stiffness, crate::machine::SpringStiffness::BallScrew { .. }));
+        let screw =
+            joint.springs.iter().any(|s| matches!(s.stiffness, crate::machine::SpringStiffness::BallScrew { .. }));
         for position in axis.travel.iter().filter(|_| screw) {
             let length = screw_length(machine, joint, centroids, *position);
             if length.is_nan() || length <= 0.0 {
-                return Err(CouplingError::ScrewLength { joint: joint.name.clone(), position: *position, length }.into());
+                return Err(
+                    CouplingError::ScrewLength { joint: joint.name.clone(), position: *position, length }.into()
+                );
             }
         }
         let Some(footprint) = joint.footprint else { continue };

@@ -8,71 +8,35 @@ use std::process::Command;
 use modal_fixture::{Case, Numbers, symmetric_system};
 use nalgebra::Complex;
 use stiffmap::frf::{Tile, modal_sum};
-use stiffmap::gpu::{
-    self, Backend, BackendOptions, GpuError, MeasuredCache, Precision, compute, compute_tiles,
-};
+use stiffmap::gpu::{self, Backend, BackendOptions, GpuError, MeasuredCache, Precision, compute, compute_tiles};
 
 fn case(n_positions: usize, n_frequencies: usize) -> Case {
     let mut numbers = Numbers(17);
-    let systems = (0..n_positions)
-        .map(|_| symmetric_system(&mut numbers, 3, 30, 0.02))
-        .collect();
-    Case::new(
-        systems,
-        (0..n_frequencies)
-            .map(|i| 900.0 * i as f64 / n_frequencies as f64)
-            .collect(),
-    )
+    let systems = (0..n_positions).map(|_| symmetric_system(&mut numbers, 3, 30, 0.02)).collect();
+    Case::new(systems, (0..n_frequencies).map(|i| 900.0 * i as f64 / n_frequencies as f64).collect())
 }
 
 fn options(backend: Backend, cache_dir: Option<&Path>) -> BackendOptions {
-    BackendOptions {
-        backend,
-        precision: Precision::F32,
-        cache_dir: cache_dir.map(Path::to_path_buf),
-    }
+    BackendOptions { backend, precision: Precision::F32, cache_dir: cache_dir.map(Path::to_path_buf) }
 }
 
 /// Largest |difference| over the largest |value|.
 fn difference(a: &[Complex<f64>], b: &[Complex<f64>]) -> f64 {
     assert_eq!(a.len(), b.len());
     let largest = b.iter().map(|x| x.norm()).fold(0.0, f64::max);
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).norm())
-        .fold(0.0, f64::max)
-        / largest
+    a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / largest
 }
 
 #[test]
 fn a_small_job_stays_on_the_processor_without_a_look_at_devices() {
     let directory = tempfile::tempdir().unwrap();
     let case = case(3, 200);
-    let (map, report) = compute(
-        &case.request(),
-        &options(Backend::Auto, Some(directory.path())),
-    )
-    .unwrap();
-    assert_eq!(
-        (report.backend, report.pairs_on_cpu, report.pairs_on_device),
-        ("cpu", 600, 0)
-    );
-    assert!(
-        report.why.contains("less than opening a device"),
-        "{}",
-        report.why
-    );
+    let (map, report) = compute(&case.request(), &options(Backend::Auto, Some(directory.path()))).unwrap();
+    assert_eq!((report.backend, report.pairs_on_cpu, report.pairs_on_device), ("cpu", 600, 0));
+    assert!(report.why.contains("less than opening a device"), "{}", report.why);
     assert_eq!(map.values, modal_sum(&case.request()).unwrap().values);
-    assert_eq!(
-        std::fs::read_dir(directory.path()).unwrap().count(),
-        0,
-        "nothing was measured"
-    );
-    assert!(
-        serde_json::to_string(&report)
-            .unwrap()
-            .contains("\"precision\":\"f64\"")
-    );
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0, "nothing was measured");
+    assert!(serde_json::to_string(&report).unwrap().contains("\"precision\":\"f64\""));
 }
 
 #[test]
@@ -84,25 +48,16 @@ fn the_processor_is_taken_when_it_is_asked_for() {
 
 #[test]
 fn a_software_adapter_is_never_picked_for_speed() {
-    let software = gpu::list_adapters()
-        .first()
-        .is_some_and(|a| a.is_software());
+    let software = gpu::list_adapters().first().is_some_and(|a| a.is_software());
     if !software {
         return println!("skipped: the first adapter is no software adapter");
     }
     let directory = tempfile::tempdir().unwrap();
     let case = case(400, 3000);
     for _ in 0..2 {
-        let (_, report) = compute(
-            &case.request(),
-            &options(Backend::Auto, Some(directory.path())),
-        )
-        .unwrap();
+        let (_, report) = compute(&case.request(), &options(Backend::Auto, Some(directory.path()))).unwrap();
         assert_eq!(report.backend, "cpu", "{report:?}");
-        assert!(
-            report.why.contains("runs on the processor itself") || report.why.contains("less than"),
-            "{report:?}"
-        );
+        assert!(report.why.contains("runs on the processor itself") || report.why.contains("less than"), "{report:?}");
     }
 }
 
@@ -122,40 +77,25 @@ fn a_device_that_is_asked_for_answers_and_its_look_is_kept() {
         Err(e) => panic!("{e}"),
     };
     println!("adapter: {}", report.adapter.as_ref().unwrap().key());
-    assert_eq!(
-        (report.backend, report.pairs_on_device, report.pairs_on_cpu),
-        ("gpu", 10_000, 0)
-    );
+    assert_eq!((report.backend, report.pairs_on_device, report.pairs_on_cpu), ("gpu", 10_000, 0));
     assert!(difference(&map.values, &modal_sum(&request).unwrap().values) < 1e-5);
     let kept = MeasuredCache::load(Some(directory.path()));
     let adapter = report.adapter.clone().unwrap();
     assert_eq!(kept.trust(&adapter, Precision::F32), report.trust.as_ref());
     assert_eq!(kept.trust(&adapter, Precision::F64), None);
-    assert_eq!(
-        run().unwrap().1.trust,
-        report.trust,
-        "the second run takes the first one's figures"
-    );
+    assert_eq!(run().unwrap().1.trust, report.trust, "the second run takes the first one's figures");
     // A damaged file is measured again and replaced.
     let file = directory.path().join("devices.json");
     std::fs::write(&file, "{ \"version\": 1, \"trust\": 3").unwrap();
     assert!(run().unwrap().1.trust.is_some());
-    assert_ne!(
-        MeasuredCache::load(Some(directory.path())),
-        MeasuredCache::load(None)
-    );
+    assert_ne!(MeasuredCache::load(Some(directory.path())), MeasuredCache::load(None));
 }
 
 #[test]
 fn with_the_adapter_taken_away_auto_finishes_and_gpu_fails() {
     let answer = |backend: &str| {
         let output = Command::new(std::env::current_exe().unwrap())
-            .args([
-                "--exact",
-                "helper_computes_a_map",
-                "--ignored",
-                "--nocapture",
-            ])
+            .args(["--exact", "helper_computes_a_map", "--ignored", "--nocapture"])
             .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
             .env("VK_ICD_FILENAMES", "/nonexistent/icd.json")
             .env("HELPER_BACKEND", backend)
@@ -164,10 +104,7 @@ fn with_the_adapter_taken_away_auto_finishes_and_gpu_fails() {
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
     let auto = answer("auto");
-    assert!(
-        auto.contains("backend cpu") && auto.contains("same map"),
-        "{auto}"
-    );
+    assert!(auto.contains("backend cpu") && auto.contains("same map"), "{auto}");
     let gpu = answer("gpu");
     assert!(gpu.contains("no GPU adapter was found"), "{gpu}");
 }
@@ -198,12 +135,7 @@ fn helper_computes_a_map() {
 fn back_ends_have_the_names_of_the_command_line() {
     let names = ["auto", "cpu", "gpu"].map(|name| name.parse::<Backend>().unwrap());
     assert_eq!(names, [Backend::Auto, Backend::Cpu, Backend::Gpu]);
-    assert!(
-        "cuda"
-            .parse::<Backend>()
-            .unwrap_err()
-            .contains("auto, cpu, gpu")
-    );
+    assert!("cuda".parse::<Backend>().unwrap_err().contains("auto, cpu, gpu"));
 }
 
 #[test]
@@ -214,12 +146,8 @@ fn a_receiver_that_fails_is_reported_and_not_retried() {
         calls += 1;
         Err("disk full".into())
     };
-    let error =
-        compute_tiles(&case.request(), &options(Backend::Auto, None), &mut sink).unwrap_err();
-    assert!(
-        error.to_string().contains("disk full") && !error.is_of_the_device(),
-        "{error}"
-    );
+    let error = compute_tiles(&case.request(), &options(Backend::Auto, None), &mut sink).unwrap_err();
+    assert!(error.to_string().contains("disk full") && !error.is_of_the_device(), "{error}");
     assert_eq!(calls, 1);
 }
 
@@ -240,9 +168,6 @@ fn the_bench_counts_what_it_says() {
     near(row.pairs_per_second * row.median_seconds, 192.0);
     near(row.values_per_second, 9.0 * row.pairs_per_second);
     near(row.bytes_per_second, 144.0 * row.pairs_per_second);
-    near(
-        row.flops_per_second,
-        5.0 * (11.0 + 24.0) * row.pairs_per_second,
-    );
+    near(row.flops_per_second, 5.0 * (11.0 + 24.0) * row.pairs_per_second);
     assert!(row.roofline_share.is_some_and(|share| share > 0.0));
 }

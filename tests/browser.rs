@@ -33,28 +33,12 @@ fn ask(jobs: &[Value]) -> Option<Value> {
     let directory = tempfile::tempdir().unwrap();
     let jobs = format!("<script>const JOBS = {};</script>", json!(jobs));
     let page = directory.path().join("page.html");
-    std::fs::write(
-        &page,
-        format!("{jobs}\n{}", include_str!("browser/page.html")),
-    )
-    .unwrap();
+    std::fs::write(&page, format!("{jobs}\n{}", include_str!("browser/page.html"))).unwrap();
     let program = std::env::var("STIFFMAP_CHROMIUM").unwrap_or_else(|_| "chromium".to_string());
     let child = Command::new(&program)
-        .args([
-            "--headless=new",
-            "--no-sandbox",
-            "--disable-dev-shm-usage",
-            "--no-first-run",
-        ])
-        .args([
-            "--enable-unsafe-webgpu",
-            "--use-webgpu-adapter=swiftshader",
-            "--enable-logging=stderr",
-        ])
-        .arg(format!(
-            "--user-data-dir={}",
-            directory.path().join("profile").display()
-        ))
+        .args(["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run"])
+        .args(["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-logging=stderr"])
+        .arg(format!("--user-data-dir={}", directory.path().join("profile").display()))
         .arg(format!("file://{}", page.display()))
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -64,27 +48,18 @@ fn ask(jobs: &[Value]) -> Option<Value> {
         Ok(child) => Browser(child),
         Err(e) => {
             let required = std::env::var("STIFFMAP_GPU").is_ok_and(|v| v == "require");
-            assert!(
-                !required,
-                "STIFFMAP_GPU=require and {program} does not start: {e}"
-            );
+            assert!(!required, "STIFFMAP_GPU=require and {program} does not start: {e}");
             println!("skipped: no chromium");
             return None;
         }
     };
     let lines = BufReader::new(browser.0.stderr.take().unwrap()).lines();
     let (send, receive) = std::sync::mpsc::channel();
-    std::thread::spawn(move || {
-        lines
-            .map_while(Result::ok)
-            .try_for_each(|line| send.send(line))
-    });
+    std::thread::spawn(move || lines.map_while(Result::ok).try_for_each(|line| send.send(line)));
     let (mut text, deadline) = (String::new(), Instant::now() + Duration::from_secs(120));
     loop {
         let left = deadline.saturating_duration_since(Instant::now());
-        let line = receive
-            .recv_timeout(left)
-            .unwrap_or_else(|e| panic!("{program} gave no answer: {e}"));
+        let line = receive.recv_timeout(left).unwrap_or_else(|e| panic!("{program} gave no answer: {e}"));
         let Some((_, piece)) = line.split_once("PIECE<") else {
             continue;
         };
@@ -95,8 +70,7 @@ fn ask(jobs: &[Value]) -> Option<Value> {
         // The log writes quotation marks as they are, so a piece is the text itself.
         text.push_str(piece);
     }
-    let answer: Value = serde_json::from_str(&text)
-        .unwrap_or_else(|e| panic!("{e}: {}", &text[..200.min(text.len())]));
+    let answer: Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{e}: {}", &text[..200.min(text.len())]));
     assert!(answer["error"].is_null(), "{}", answer["error"]);
     println!("adapter: {} in {program}", answer["adapter"]);
     Some(answer["results"].clone())
@@ -112,12 +86,7 @@ fn job(case: &Case, kernel: Kernel, words: usize) -> Value {
 
 fn words(result: &Value) -> Vec<u32> {
     assert!(result["error"].is_null(), "{}", result["error"]);
-    result["words"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|w| w.as_u64().unwrap() as u32)
-        .collect()
+    result["words"].as_array().unwrap().iter().map(|w| w.as_u64().unwrap() as u32).collect()
 }
 
 #[test]
@@ -126,28 +95,19 @@ fn the_kernels_compile_and_compute_the_same_in_a_browser() {
     case.frequencies.truncate(200);
     let request = case.request();
     let packing = Packing::new(&request);
-    let (n_positions, n_frequencies, n_pairs) =
-        (request.positions.len(), request.frequencies.len(), 6);
+    let (n_positions, n_frequencies, n_pairs) = (request.positions.len(), request.frequencies.len(), 6);
     let chunks = n_frequencies.div_ceil(CHUNK as usize);
     let mut broken = job(&case, Kernel::ModalSum, 2);
     broken["source"] = json!("fn main() { let x: u32 = 1.5; }");
     let jobs = [
-        job(
-            &case,
-            Kernel::ModalSum,
-            n_positions * n_frequencies * n_pairs * 2,
-        ),
+        job(&case, Kernel::ModalSum, n_positions * n_frequencies * n_pairs * 2),
         job(&case, Kernel::Metrics, n_positions * chunks * n_pairs * 4),
         broken,
     ];
     let Some(results) = ask(&jobs) else { return };
 
-    let values: Vec<[f32; 2]> = bytemuck::cast_vec(
-        words(&results[0])
-            .chunks_exact(2)
-            .map(|w| [w[0], w[1]])
-            .collect::<Vec<[u32; 2]>>(),
-    );
+    let values: Vec<[f32; 2]> =
+        bytemuck::cast_vec(words(&results[0]).chunks_exact(2).map(|w| [w[0], w[1]]).collect::<Vec<[u32; 2]>>());
     let mut map: ComplianceMap = modal_sum(&request).unwrap();
     let exact = map.clone();
     for p in 0..n_positions {
@@ -161,15 +121,8 @@ fn the_kernels_compile_and_compute_the_same_in_a_browser() {
     }
     let (entry, frobenius) = differences(&case, &map);
     let eps = f64::from(f32::EPSILON);
-    println!(
-        "browser: entry {:.2} eps, Frobenius {frobenius:.2e}",
-        entry / eps
-    );
-    assert!(
-        entry <= 8.0 * eps && frobenius <= 2e-6,
-        "entry {:.2} eps, {frobenius:.2e}",
-        entry / eps
-    );
+    println!("browser: entry {:.2} eps, Frobenius {frobenius:.2e}", entry / eps);
+    assert!(entry <= 8.0 * eps && frobenius <= 2e-6, "entry {:.2} eps, {frobenius:.2e}", entry / eps);
 
     let records: Vec<Extrema<f32>> = bytemuck::pod_collect_to_vec(&words(&results[1]));
     let expected = grid_extrema(&exact, &packing.pairs);
@@ -177,8 +130,5 @@ fn the_kernels_compile_and_compute_the_same_in_a_browser() {
         let found = (found.peak_at as usize, found.real_part_at as usize);
         assert_eq!(found, (expected.peak, expected.most_negative_real));
     }
-    assert!(
-        !results[2]["error"].is_null(),
-        "the browser refuses a shader that is none"
-    );
+    assert!(!results[2]["error"].is_null(), "the browser refuses a shader that is none");
 }

@@ -28,13 +28,7 @@ fn read_back(kind: &str, file: &Path, expected: &Value) -> Option<Result<(), Str
     let json = file.with_extension("expected.json");
     std::fs::write(&json, expected.to_string()).unwrap();
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/readers.py");
-    let run = Command::new(&python)
-        .arg(script)
-        .arg(kind)
-        .arg(file)
-        .arg(&json)
-        .output()
-        .unwrap();
+    let run = Command::new(&python).arg(script).arg(kind).arg(file).arg(&json).output().unwrap();
     let message = String::from_utf8_lossy(&run.stderr).trim().to_owned();
     match run.status.code() {
         Some(0) => Some(Ok(())),
@@ -75,13 +69,7 @@ fn expected_compliance(m: &ComplianceMap) -> Value {
 fn scipy_reads_the_compliance_map_in_every_shape() {
     let folder = tempfile::tempdir().unwrap();
     // More than one block of frequencies, a block with a rest, and each extent alone at one.
-    for (p, f, o, i) in [
-        (7, 35, 3, 2),
-        (1, 35, 3, 3),
-        (7, 1, 2, 3),
-        (3, 17, 1, 1),
-        (1, 1, 1, 1),
-    ] {
+    for (p, f, o, i) in [(7, 35, 3, 2), (1, 35, 3, 3), (7, 1, 2, 3), (3, 17, 1, 1), (1, 1, 1, 1)] {
         let map = map(p, f, o, i);
         let file = folder.path().join("compliance.mat");
         mat::write_compliance(&file, &map).unwrap();
@@ -105,9 +93,8 @@ fn negative_control_one_perturbed_compliance_fails() {
 }
 
 fn state(position: f64, n: usize, n_out: usize, n_in: usize, rows: usize) -> StateSpace {
-    let fill = |r: usize, c: usize, seed: f64| {
-        DMatrix::from_fn(r, c, |i, j| position + seed + i as f64 + 0.01 * j as f64)
-    };
+    let fill =
+        |r: usize, c: usize, seed: f64| DMatrix::from_fn(r, c, |i, j| position + seed + i as f64 + 0.01 * j as f64);
     StateSpace {
         position,
         a: fill(2 * n, 2 * n, 0.5),
@@ -150,15 +137,9 @@ fn scipy_reads_the_state_space_database() {
     let file = folder.path().join("state_space.mat");
     // (positions, modes, outputs, inputs, row blocks in C)
     for (positions, n, o, i, rows) in [(5, 30, 4, 3, 1), (3, 4, 2, 3, 3), (1, 1, 1, 1, 1)] {
-        let states: Vec<_> = (0..positions)
-            .map(|p| state(-0.005 * p as f64, n, o, i, rows))
-            .collect();
+        let states: Vec<_> = (0..positions).map(|p| state(-0.005 * p as f64, n, o, i, rows)).collect();
         mat::write_state_space(&file, &states, &names(o), &names(i)).unwrap();
-        if let Some(read) = read_back(
-            "mat",
-            &file,
-            &expected_states(&states, &names(o), &names(i)),
-        ) {
+        if let Some(read) = read_back("mat", &file, &expected_states(&states, &names(o), &names(i))) {
             read.unwrap_or_else(|e| panic!("{positions} positions, {n} modes: {e}"));
         }
     }
@@ -171,11 +152,7 @@ fn negative_control_one_perturbed_state_matrix_fails() {
     let mut states = vec![state(0.0, 3, 2, 2, 1), state(-0.3, 3, 2, 2, 1)];
     mat::write_state_space(&file, &states, &names(2), &names(2)).unwrap();
     states[1].b[(4, 1)] += 1e-12;
-    if let Some(read) = read_back(
-        "mat",
-        &file,
-        &expected_states(&states, &names(2), &names(2)),
-    ) {
+    if let Some(read) = read_back("mat", &file, &expected_states(&states, &names(2), &names(2))) {
         let message = read.unwrap_err();
         assert!(message.starts_with("states(1).B[4, 1]"), "{message}");
     }
@@ -185,11 +162,7 @@ fn negative_control_one_perturbed_state_matrix_fails() {
 fn state_matrices_that_do_not_fit_are_refused_with_their_place() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("state_space.mat");
-    let write = |s: StateSpace| {
-        mat::write_state_space(&file, &[s], &names(2), &names(2))
-            .unwrap_err()
-            .to_string()
-    };
+    let write = |s: StateSpace| mat::write_state_space(&file, &[s], &names(2), &names(2)).unwrap_err().to_string();
     let mut short = state(-0.3, 3, 2, 2, 1);
     short.damping.pop();
     assert!(write(short).contains("the damping at -0.3 m has 2 entries, expected 3"));
@@ -208,10 +181,7 @@ fn a_variable_past_two_gibibytes_is_refused_before_anything_is_written() {
     // Seventeen cells that borrow one block of 128 MiB.
     let block = vec![0.0; 1 << 24];
     let values = (0..17).map(|_| Mat::column(&block)).collect();
-    let blocks = Mat::Cell {
-        dims: vec![17, 1],
-        values,
-    };
+    let blocks = Mat::Cell { dims: vec![17, 1], values };
     let error = mat5::write(&file, &[("blocks", blocks)]).unwrap_err();
     assert!(
         matches!(&error, ExportError::TooLarge { variable, bytes, .. }

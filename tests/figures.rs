@@ -19,21 +19,12 @@ struct Picture {
 
 impl Picture {
     fn open(path: &Path) -> Picture {
-        let mut reader = png::Decoder::new(std::fs::File::open(path).unwrap())
-            .read_info()
-            .unwrap();
+        let mut reader = png::Decoder::new(std::fs::File::open(path).unwrap()).read_info().unwrap();
         let mut bytes = vec![0; reader.output_buffer_size()];
         let info = reader.next_frame(&mut bytes).unwrap();
-        assert_eq!(
-            (info.color_type, info.bit_depth),
-            (png::ColorType::Rgb, png::BitDepth::Eight)
-        );
+        assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
         let pixels = bytes.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
-        Picture {
-            width: info.width as usize,
-            height: info.height as usize,
-            pixels,
-        }
+        Picture { width: info.width as usize, height: info.height as usize, pixels }
     }
 
     fn at(&self, x: usize, y: usize) -> [u8; 3] {
@@ -49,9 +40,7 @@ impl Picture {
         let (w, h) = (self.width, self.height);
         let rows = (0..w).flat_map(|x| [(x, 0), (x, h - 1)]);
         let columns = (0..h).flat_map(|y| [(0, y), (w - 1, y)]);
-        rows.chain(columns)
-            .filter(|(x, y)| self.at(*x, *y) != [255; 3])
-            .count()
+        rows.chain(columns).filter(|(x, y)| self.at(*x, *y) != [255; 3]).count()
     }
 }
 
@@ -61,19 +50,9 @@ fn draw(
     height: HeightScale,
 ) -> Result<Vec<(String, Picture)>, FigureError> {
     let folder = tempfile::tempdir().unwrap();
-    let input = FigureInput {
-        machine: "mill",
-        axis: "z",
-        families,
-        map,
-        height,
-    };
+    let input = FigureInput { machine: "mill", axis: "z", families, map, height };
     let files = draw_all(&input, folder.path())?;
-    assert_eq!(
-        files.len(),
-        std::fs::read_dir(folder.path()).unwrap().count(),
-        "nothing else left"
-    );
+    assert_eq!(files.len(), std::fs::read_dir(folder.path()).unwrap().count(), "nothing else left");
     let name = |p: &Path| p.file_name().unwrap().to_str().unwrap().to_owned();
     Ok(files.iter().map(|p| (name(p), Picture::open(p))).collect())
 }
@@ -97,11 +76,7 @@ fn the_seven_pictures_are_drawn_whole() {
     );
     for (name, picture) in &pictures {
         assert!(picture.width == 1600 && picture.height >= 1100, "{name}");
-        assert!(
-            picture.colours() > 200,
-            "{name} has {} colours",
-            picture.colours()
-        );
+        assert!(picture.colours() > 200, "{name} has {} colours", picture.colours());
         assert_eq!(picture.clipped(), 0, "{name} reaches its edge");
     }
 }
@@ -113,9 +88,7 @@ fn yellow(c: [u8; 3]) -> bool {
 
 /// Rows of the frequency view's map, above the colour bar's reach to the right, that are yellow.
 fn bright_rows(picture: &Picture, x: usize) -> Vec<usize> {
-    (0..picture.height)
-        .filter(|y| yellow(picture.at(x, *y)))
-        .collect()
+    (0..picture.height).filter(|y| yellow(picture.at(x, *y))).collect()
 }
 
 #[test]
@@ -131,15 +104,9 @@ fn the_frequency_view_shows_a_peak_where_it_is() {
     assert!(!rows.is_empty(), "the peak is lost");
     // The map fills rows 92 to 970 from 900 Hz down to 0 Hz.
     let expected = 970.0 - 600.0 / 900.0 * (970.0 - 92.0);
-    assert!(
-        rows.iter().all(|r| (*r as f64 - expected).abs() < 2.5),
-        "{rows:?} for {expected}"
-    );
+    assert!(rows.iter().all(|r| (*r as f64 - expected).abs() < 2.5), "{rows:?} for {expected}");
     let other = bright_rows(&pictures[4].1, 700);
-    assert!(
-        other.len() != rows.len(),
-        "control: the y response has no peak there"
-    );
+    assert!(other.len() != rows.len(), "control: the y response has no peak there");
 }
 
 #[test]
@@ -149,10 +116,7 @@ fn the_amplitude_view_differs_between_linear_and_logarithmic_heights() {
     let logarithmic = draw(&families, &map, HeightScale::Logarithmic).unwrap();
     let differ = |k: usize| linear[k].1.pixels != logarithmic[k].1.pixels;
     assert!(differ(1) && differ(3) && differ(5));
-    assert!(
-        !differ(0) && !differ(2) && !differ(4),
-        "the other pictures do not depend on it"
-    );
+    assert!(!differ(0) && !differ(2) && !differ(4), "the other pictures do not depend on it");
 }
 
 #[test]
@@ -173,10 +137,7 @@ fn the_order_of_positions_does_not_matter() {
     let mut moved = map.clone();
     moved.values.rotate_right(60 * 9);
     let control = draw(&families, &moved, HeightScale::Linear).unwrap();
-    assert!(
-        control[2].1.pixels != pairs[2].1.pixels,
-        "control: other values, other picture"
-    );
+    assert!(control[2].1.pixels != pairs[2].1.pixels, "control: other values, other picture");
 }
 
 #[test]
@@ -186,15 +147,8 @@ fn one_position_or_one_frequency_gives_curves() {
         let pictures = draw(&families, &map, HeightScale::Linear).unwrap();
         assert_eq!(pictures.len(), 7);
         for (name, picture) in &pictures {
-            assert!(
-                picture.colours() > 20,
-                "{name} of {positions} x {frequencies}"
-            );
-            assert_eq!(
-                picture.clipped(),
-                0,
-                "{name} of {positions} x {frequencies}"
-            );
+            assert!(picture.colours() > 20, "{name} of {positions} x {frequencies}");
+            assert_eq!(picture.clipped(), 0, "{name} of {positions} x {frequencies}");
         }
     }
 }
@@ -206,11 +160,7 @@ fn a_constant_map_and_a_map_of_zeros_are_drawn() {
         map.values.fill(Complex::new(value, 0.0));
         for height in [HeightScale::Linear, HeightScale::Logarithmic] {
             let pictures = draw(&families, &map, height).unwrap();
-            assert!(
-                pictures
-                    .iter()
-                    .all(|(_, p)| p.colours() > 20 && p.clipped() == 0)
-            );
+            assert!(pictures.iter().all(|(_, p)| p.colours() > 20 && p.clipped() == 0));
         }
     }
 }
@@ -218,10 +168,7 @@ fn a_constant_map_and_a_map_of_zeros_are_drawn() {
 #[test]
 fn families_that_are_all_free_leave_an_empty_frame() {
     let (mut families, map) = sample::mill(3, 20);
-    families
-        .modes
-        .iter_mut()
-        .for_each(|modes| modes.truncate(1));
+    families.modes.iter_mut().for_each(|modes| modes.truncate(1));
     let pictures = draw(&families, &map, HeightScale::Linear).unwrap();
     assert!(pictures[0].1.colours() > 20);
 }
@@ -231,33 +178,15 @@ fn numbers_that_are_not_finite_are_refused_with_their_place() {
     let (families, map) = sample::mill(3, 20);
     let mut bad = map.clone();
     bad.values[(2 * 20 + 4) * 9 + 4].re = f64::NAN;
-    let error = draw(&families, &bad, HeightScale::Linear)
-        .err()
-        .unwrap()
-        .to_string();
+    let error = draw(&families, &bad, HeightScale::Linear).err().unwrap().to_string();
     assert!(error.starts_with("frf_yy_"), "{error}");
-    assert!(
-        error.contains("response at -0.6 m and 189.4") && error.contains("NaN"),
-        "{error}"
-    );
+    assert!(error.contains("response at -0.6 m and 189.4") && error.contains("NaN"), "{error}");
     let mut bad = families.clone();
     bad.modes[1][3].frequency = f64::INFINITY;
-    let error = draw(&bad, &map, HeightScale::Linear)
-        .err()
-        .unwrap()
-        .to_string();
-    assert!(
-        error.contains("frequency of family 4 at -0.3 m is inf"),
-        "{error}"
-    );
+    let error = draw(&bad, &map, HeightScale::Linear).err().unwrap().to_string();
+    assert!(error.contains("frequency of family 4 at -0.3 m is inf"), "{error}");
     let mut bad = map.clone();
     bad.values.pop();
-    let error = draw(&families, &bad, HeightScale::Linear)
-        .err()
-        .unwrap()
-        .to_string();
-    assert!(
-        error.contains("the map has 539 entries, expected 540"),
-        "{error}"
-    );
+    let error = draw(&families, &bad, HeightScale::Linear).err().unwrap().to_string();
+    assert!(error.contains("the map has 539 entries, expected 540"), "{error}");
 }

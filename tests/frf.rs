@@ -5,15 +5,9 @@ mod modal_fixture;
 use modal_fixture::{Case, Numbers, differences, plain_sum, residual, symmetric_system};
 use nalgebra::{Complex, DMatrix};
 use proptest::prelude::*;
-use stiffmap::frf::{
-    FrfError, ModalSystem, Quantity, Tile, modal_sum, modal_sum_into, modal_sum_tiles,
-};
+use stiffmap::frf::{FrfError, ModalSystem, Quantity, Tile, modal_sum, modal_sum_into, modal_sum_tiles};
 
-const QUANTITIES: [Quantity; 3] = [
-    Quantity::Receptance,
-    Quantity::Mobility,
-    Quantity::Accelerance,
-];
+const QUANTITIES: [Quantity; 3] = [Quantity::Receptance, Quantity::Mobility, Quantity::Accelerance];
 
 /// Three positions with different numbers of modes, both kinds of damping and a residual.
 fn machine(n_modes: usize) -> Case {
@@ -21,14 +15,8 @@ fn machine(n_modes: usize) -> Case {
     let systems = (0..3)
         .map(|p| {
             let mut system = symmetric_system(&mut numbers, 3, n_modes + p, 0.02);
-            system
-                .loss_factors
-                .iter_mut()
-                .for_each(|eta| *eta = numbers.within(0.0, 0.03));
-            system
-                .damping_ratios
-                .iter_mut()
-                .for_each(|zeta| *zeta = numbers.within(1e-4, 0.05));
+            system.loss_factors.iter_mut().for_each(|eta| *eta = numbers.within(0.0, 0.03));
+            system.damping_ratios.iter_mut().for_each(|zeta| *zeta = numbers.within(1e-4, 0.05));
             system.residual = residual(&mut numbers, 3);
             system
         })
@@ -48,10 +36,7 @@ fn unsymmetric(n_modes: usize) -> Case {
             re.zip_map(&im, Complex::new)
         })
         .collect();
-    Case::new(
-        vec![system],
-        (0..61).map(|i| 1.0 + 13.0 * i as f64).collect(),
-    )
+    Case::new(vec![system], (0..61).map(|i| 1.0 + 13.0 * i as f64).collect())
 }
 
 #[test]
@@ -60,10 +45,7 @@ fn the_sum_equals_the_sum_as_it_is_written() {
         for quantity in QUANTITIES {
             case.quantity = quantity;
             let (entry, frobenius) = differences(&case, &modal_sum(&case.request()).unwrap());
-            assert!(
-                entry < 2e-12 && frobenius < 2e-12,
-                "{quantity:?}: entry {entry:e}, Frobenius {frobenius:e}"
-            );
+            assert!(entry < 2e-12 && frobenius < 2e-12, "{quantity:?}: entry {entry:e}, Frobenius {frobenius:e}");
         }
     }
 }
@@ -122,11 +104,7 @@ fn tiles_append_to_the_whole_map_from_any_pair_on() {
             Ok(())
         };
         modal_sum_tiles(&request, first_pair, &mut sink).unwrap();
-        assert_eq!(
-            appended,
-            whole.values[first_pair * 9..],
-            "from pair {first_pair}"
-        );
+        assert_eq!(appended, whole.values[first_pair * 9..], "from pair {first_pair}");
     }
 }
 
@@ -135,11 +113,7 @@ fn a_receiver_that_fails_stops_the_map() {
     let case = machine(2);
     let mut sink = |_: Tile<'_>| Err("disk full".into());
     let error = modal_sum_tiles(&case.request(), 0, &mut sink).unwrap_err();
-    assert!(
-        matches!(&error, FrfError::Sink { position: 0, .. })
-            && error.to_string().contains("disk full"),
-        "{error}"
-    );
+    assert!(matches!(&error, FrfError::Sink { position: 0, .. }) && error.to_string().contains("disk full"), "{error}");
 }
 
 #[test]
@@ -152,53 +126,26 @@ fn bad_requests_are_refused_with_the_value_seen() {
     type Change<'a> = &'a dyn Fn(&mut Case);
     let cases: [(Change, &str); 10] = [
         (&|c| c.frequencies.clear(), "frequencies is empty"),
-        (
-            &|c| c.frequencies[3] = f64::NAN,
-            "frequency 3 of the grid is NaN",
-        ),
-        (
-            &|c| c.frequencies[0] = -1.0,
-            "frequency 0 of the grid is -1",
-        ),
+        (&|c| c.frequencies[3] = f64::NAN, "frequency 3 of the grid is NaN"),
+        (&|c| c.frequencies[0] = -1.0, "frequency 0 of the grid is -1"),
         (&|c| c.frequencies[3] = 0.1, "must ascend"),
         (&|c| c.positions[1] = f64::INFINITY, "position 1 is inf"),
-        (
-            &|c| c.systems[2].frequencies[1] = f64::NAN,
-            "mode 1 at position 2: the frequency in Hz is NaN",
-        ),
-        (
-            &|c| c.systems[2].damping_ratios[1] = -0.1,
-            "the damping ratio is -0.1",
-        ),
-        (
-            &|c| c.systems[0].outputs[(1, 2)] = f64::NAN,
-            "mode 2 at position 0: a shape is NaN",
-        ),
-        (
-            &|c| c.systems[0].residual[1][(0, 0)].im = f64::NAN,
-            "residual coefficient 1 at position 0",
-        ),
-        (
-            &|c| c.systems[1].frequencies[0] = 0.0,
-            "mode 0 at position 1 has no damping",
-        ),
+        (&|c| c.systems[2].frequencies[1] = f64::NAN, "mode 1 at position 2: the frequency in Hz is NaN"),
+        (&|c| c.systems[2].damping_ratios[1] = -0.1, "the damping ratio is -0.1"),
+        (&|c| c.systems[0].outputs[(1, 2)] = f64::NAN, "mode 2 at position 0: a shape is NaN"),
+        (&|c| c.systems[0].residual[1][(0, 0)].im = f64::NAN, "residual coefficient 1 at position 0"),
+        (&|c| c.systems[1].frequencies[0] = 0.0, "mode 0 at position 1 has no damping"),
     ];
     for (change, expected) in cases {
         let message = refuse(change);
-        assert!(
-            message.contains(expected),
-            "expected {expected:?} in {message:?}"
-        );
+        assert!(message.contains(expected), "expected {expected:?} in {message:?}");
     }
     let undamped = refuse(&|c| {
         c.systems[0].damping_ratios[2] = 0.0;
         c.systems[0].loss_factors[2] = 0.0;
         c.frequencies = vec![1.0, c.systems[0].frequencies[2]];
     });
-    assert!(
-        undamped.contains("mode 2 at position 0 has no damping"),
-        "{undamped}"
-    );
+    assert!(undamped.contains("mode 2 at position 0 has no damping"), "{undamped}");
 }
 
 #[test]
@@ -249,8 +196,7 @@ fn static_difference(case: &Case) -> f64 {
     let mut expected = system.residual[0].clone();
     for (r, f) in system.frequencies.iter().enumerate() {
         let omega = std::f64::consts::TAU * f;
-        let product =
-            system.outputs.column(r) * system.inputs.column(r).transpose() / (omega * omega);
+        let product = system.outputs.column(r) * system.inputs.column(r).transpose() / (omega * omega);
         expected += product.map(Complex::from);
     }
     let h = modal_sum(&case.request()).unwrap().matrix(0, 0);

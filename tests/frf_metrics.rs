@@ -20,17 +20,11 @@ fn pairs() -> Vec<(usize, usize)> {
 }
 
 fn refined(system: &ModalSystem, quantity: Quantity, step: f64) -> Vec<PairMetrics> {
-    let grid = FrequencyGrid::Uniform {
-        from: 0.0,
-        to: 950.0,
-        step,
-    };
+    let grid = FrequencyGrid::Uniform { from: 0.0, to: 950.0, step };
     let mut case = Case::new(vec![system.clone()], grid.frequencies().unwrap());
     case.quantity = quantity;
     let request = case.request();
-    metrics(&request, &modal_sum(&request).unwrap(), &pairs())
-        .unwrap()
-        .remove(0)
+    metrics(&request, &modal_sum(&request).unwrap(), &pairs()).unwrap().remove(0)
 }
 
 /// Peak and most negative real part on a grid of 1e-4 Hz, taken in pieces of the band.
@@ -38,10 +32,7 @@ fn on_a_fine_grid(system: &ModalSystem, quantity: Quantity) -> Vec<(f64, f64)> {
     let mut best = vec![(0.0f64, f64::INFINITY); 9];
     for piece in 0..95 {
         let from = 10.0 * piece as f64;
-        let mut case = Case::new(
-            vec![system.clone()],
-            (0..=100_000).map(|i| from + 1e-4 * i as f64).collect(),
-        );
+        let mut case = Case::new(vec![system.clone()], (0..=100_000).map(|i| from + 1e-4 * i as f64).collect());
         case.quantity = quantity;
         let map = modal_sum(&case.request()).unwrap();
         for row in map.values.chunks_exact(9) {
@@ -55,28 +46,15 @@ fn on_a_fine_grid(system: &ModalSystem, quantity: Quantity) -> Vec<(f64, f64)> {
 
 #[test]
 fn refined_peaks_from_half_a_hertz_match_a_grid_of_a_tenth_of_a_millihertz() {
-    for (seed, quantity) in [
-        (1, Quantity::Receptance),
-        (2, Quantity::Mobility),
-        (3, Quantity::Accelerance),
-    ] {
+    for (seed, quantity) in [(1, Quantity::Receptance), (2, Quantity::Mobility), (3, Quantity::Accelerance)] {
         let system = system(seed);
         let fine = on_a_fine_grid(&system, quantity);
         for (m, (peak, real)) in refined(&system, quantity, 0.5).iter().zip(&fine) {
             let name = format!("{quantity:?} {} {}", m.output, m.input);
-            assert!(
-                (m.peak.value / peak - 1.0).abs() < 1e-4,
-                "{name}: {:?} against {peak:e}",
-                m.peak
-            );
+            assert!((m.peak.value / peak - 1.0).abs() < 1e-4, "{name}: {:?} against {peak:e}", m.peak);
             // Where a real part is never negative its smallest value is near 0, so it is measured by the peak.
-            let difference =
-                (m.most_negative_real.value - real).abs() / real.abs().max(1e-3 * peak);
-            assert!(
-                difference < 1e-4,
-                "{name}: {:?} against {real:e}",
-                m.most_negative_real
-            );
+            let difference = (m.most_negative_real.value - real).abs() / real.abs().max(1e-3 * peak);
+            assert!(difference < 1e-4, "{name}: {:?} against {real:e}", m.most_negative_real);
         }
     }
 }
@@ -93,31 +71,16 @@ fn the_grid_alone_misses_what_refinement_finds() {
         .zip(&coarse)
         .zip(&fine)
         .any(|((&(i, j), grid), (peak, _))| map.at(0, grid.peak, i, j).norm() / peak < 1.0 - 1e-3);
-    assert!(
-        missed,
-        "a 0.5 Hz grid at 0.5 % damping should miss a peak by more than 1e-3"
-    );
+    assert!(missed, "a 0.5 Hz grid at 0.5 % damping should miss a peak by more than 1e-3");
 }
 
 #[test]
 fn metrics_do_not_depend_on_the_grid() {
     let system = system(4);
-    for (a, b) in refined(&system, Quantity::Receptance, 0.5)
-        .iter()
-        .zip(refined(&system, Quantity::Receptance, 3.7))
-    {
-        assert!(
-            (a.peak.value / b.peak.value - 1.0).abs() < 1e-9,
-            "{a:?} {b:?}"
-        );
-        assert!(
-            (a.peak.frequency / b.peak.frequency - 1.0).abs() < 1e-6,
-            "{a:?} {b:?}"
-        );
-        assert!(
-            (a.most_negative_real.value / b.most_negative_real.value - 1.0).abs() < 1e-9,
-            "{a:?} {b:?}"
-        );
+    for (a, b) in refined(&system, Quantity::Receptance, 0.5).iter().zip(refined(&system, Quantity::Receptance, 3.7)) {
+        assert!((a.peak.value / b.peak.value - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+        assert!((a.peak.frequency / b.peak.frequency - 1.0).abs() < 1e-6, "{a:?} {b:?}");
+        assert!((a.most_negative_real.value / b.most_negative_real.value - 1.0).abs() < 1e-9, "{a:?} {b:?}");
     }
 }
 
@@ -129,26 +92,12 @@ fn one_modes_extrema_are_the_closed_forms() {
     let a = one.outputs[(0, 0)].powi(2) / (std::f64::consts::TAU * f).powi(2);
     let case = Case::new(vec![one], (0..=20).map(|i| 10.0 * i as f64).collect());
     let request = case.request();
-    let found = metrics(
-        &request,
-        &modal_sum(&request).unwrap(),
-        &direct_pairs(&request),
-    )
-    .unwrap()[0][0];
+    let found = metrics(&request, &modal_sum(&request).unwrap(), &direct_pairs(&request)).unwrap()[0][0];
     let near = |x: f64, y: f64| assert!((x / y - 1.0).abs() < 1e-9, "{x} against {y}");
-    near(
-        found.peak.value,
-        a / (2.0 * zeta * (1.0 - zeta * zeta).sqrt()),
-    );
+    near(found.peak.value, a / (2.0 * zeta * (1.0 - zeta * zeta).sqrt()));
     near(found.peak.frequency, f * (1.0 - 2.0 * zeta * zeta).sqrt());
-    near(
-        found.most_negative_real.value,
-        -a / (4.0 * zeta * (1.0 + zeta)),
-    );
-    near(
-        found.most_negative_real.frequency,
-        f * (1.0 + 2.0 * zeta).sqrt(),
-    );
+    near(found.most_negative_real.value, -a / (4.0 * zeta * (1.0 + zeta)));
+    near(found.most_negative_real.frequency, f * (1.0 + 2.0 * zeta).sqrt());
     near(found.smallest_dynamic_stiffness(), 1.0 / found.peak.value);
 }
 
@@ -158,70 +107,28 @@ fn an_undamped_mode_between_two_frequencies_has_no_peak_to_report() {
     one.frequencies[0] = 100.5;
     let case = Case::new(vec![one], vec![100.0, 101.0]);
     let request = case.request();
-    let error = metrics(
-        &request,
-        &modal_sum(&request).unwrap(),
-        &direct_pairs(&request),
-    )
-    .unwrap_err();
+    let error = metrics(&request, &modal_sum(&request).unwrap(), &direct_pairs(&request)).unwrap_err();
     assert!(error.to_string().contains("100.5"), "{error}");
 }
 
 #[test]
 fn grids_hold_their_ends_and_ascend() {
-    let uniform = FrequencyGrid::Uniform {
-        from: 0.0,
-        to: 900.0,
-        step: 0.1,
-    }
-    .frequencies()
-    .unwrap();
-    assert_eq!(
-        (uniform.len(), uniform[0], uniform[9000]),
-        (9001, 0.0, 900.0)
-    );
-    let short = FrequencyGrid::Uniform {
-        from: 1.0,
-        to: 2.0,
-        step: 0.3,
-    }
-    .frequencies()
-    .unwrap();
+    let uniform = FrequencyGrid::Uniform { from: 0.0, to: 900.0, step: 0.1 }.frequencies().unwrap();
+    assert_eq!((uniform.len(), uniform[0], uniform[9000]), (9001, 0.0, 900.0));
+    let short = FrequencyGrid::Uniform { from: 1.0, to: 2.0, step: 0.3 }.frequencies().unwrap();
     assert_eq!(short.len(), 4);
-    let log = FrequencyGrid::Logarithmic {
-        from: 1.0,
-        to: 1000.0,
-        count: 4,
-    }
-    .frequencies()
-    .unwrap();
-    assert!(
-        log.iter()
-            .zip([1.0, 10.0, 100.0, 1000.0])
-            .all(|(a, b)| (a / b - 1.0).abs() < 1e-12),
-        "{log:?}"
-    );
-    assert_eq!(
-        FrequencyGrid::Listed(vec![1.0, 5.0]).frequencies().unwrap(),
-        [1.0, 5.0]
-    );
+    let log = FrequencyGrid::Logarithmic { from: 1.0, to: 1000.0, count: 4 }.frequencies().unwrap();
+    assert!(log.iter().zip([1.0, 10.0, 100.0, 1000.0]).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{log:?}");
+    assert_eq!(FrequencyGrid::Listed(vec![1.0, 5.0]).frequencies().unwrap(), [1.0, 5.0]);
 }
 
 #[test]
 fn thirteen_clustered_frequencies_come_within_a_thousandth_of_a_peak() {
     let modes = vec![(20.03, 0.001), (333.3, 0.02), (2000.0, 0.01)];
-    let clustered = FrequencyGrid::Clustered {
-        from: 0.0,
-        to: 900.0,
-        modes,
-        points: 13,
-        background: 10,
-    };
+    let clustered = FrequencyGrid::Clustered { from: 0.0, to: 900.0, modes, points: 13, background: 10 };
     let grid = clustered.frequencies().unwrap();
     assert_eq!(grid.len(), 10 + 2 * 13);
-    assert!(
-        grid.windows(2).all(|w| w[0] < w[1]) && grid[0] == 0.0 && grid[grid.len() - 1] == 900.0
-    );
+    assert!(grid.windows(2).all(|w| w[0] < w[1]) && grid[0] == 0.0 && grid[grid.len() - 1] == 900.0);
     // The seventh is the mode's own frequency.
     let mut one = symmetric_system(&mut Numbers(9), 1, 1, 0.001);
     one.frequencies[0] = 20.03;
@@ -236,48 +143,14 @@ fn thirteen_clustered_frequencies_come_within_a_thousandth_of_a_peak() {
 #[test]
 fn grids_that_make_no_sense_are_refused() {
     let refused = [
-        FrequencyGrid::Uniform {
-            from: 0.0,
-            to: 900.0,
-            step: 0.0,
-        },
-        FrequencyGrid::Uniform {
-            from: 0.0,
-            to: 900.0,
-            step: f64::NAN,
-        },
-        FrequencyGrid::Uniform {
-            from: 0.0,
-            to: 900.0,
-            step: 1e-12,
-        },
-        FrequencyGrid::Uniform {
-            from: -1.0,
-            to: 900.0,
-            step: 1.0,
-        },
-        FrequencyGrid::Uniform {
-            from: 2.0,
-            to: 1.0,
-            step: 1.0,
-        },
-        FrequencyGrid::Logarithmic {
-            from: 0.0,
-            to: 900.0,
-            count: 10,
-        },
-        FrequencyGrid::Logarithmic {
-            from: 1.0,
-            to: 900.0,
-            count: 1,
-        },
-        FrequencyGrid::Clustered {
-            from: 0.0,
-            to: 9.0,
-            modes: vec![(f64::NAN, 0.1)],
-            points: 13,
-            background: 5,
-        },
+        FrequencyGrid::Uniform { from: 0.0, to: 900.0, step: 0.0 },
+        FrequencyGrid::Uniform { from: 0.0, to: 900.0, step: f64::NAN },
+        FrequencyGrid::Uniform { from: 0.0, to: 900.0, step: 1e-12 },
+        FrequencyGrid::Uniform { from: -1.0, to: 900.0, step: 1.0 },
+        FrequencyGrid::Uniform { from: 2.0, to: 1.0, step: 1.0 },
+        FrequencyGrid::Logarithmic { from: 0.0, to: 900.0, count: 10 },
+        FrequencyGrid::Logarithmic { from: 1.0, to: 900.0, count: 1 },
+        FrequencyGrid::Clustered { from: 0.0, to: 9.0, modes: vec![(f64::NAN, 0.1)], points: 13, background: 5 },
         FrequencyGrid::Listed(vec![]),
         FrequencyGrid::Listed(vec![2.0, 1.0]),
     ];

@@ -12,11 +12,7 @@ use stiffmap::frf::{ModalSystem, Quantity, Tile, modal_sum};
 use stiffmap::gpu::{self, GpuError, Precision, trust, twin};
 
 const EPS: f64 = f32::EPSILON as f64;
-const QUANTITIES: [Quantity; 3] = [
-    Quantity::Receptance,
-    Quantity::Mobility,
-    Quantity::Accelerance,
-];
+const QUANTITIES: [Quantity; 3] = [Quantity::Receptance, Quantity::Mobility, Quantity::Accelerance];
 
 /// Thirty modes and frequencies on and beside each of them.
 fn beside_resonances(seed: u64, damping: impl Fn(usize) -> f64) -> Case {
@@ -28,17 +24,9 @@ fn beside_resonances(seed: u64, damping: impl Fn(usize) -> f64) -> Case {
             system
         })
         .collect();
-    let offsets = (1..=7)
-        .flat_map(|k| [0.1f64.powi(k), -0.1f64.powi(k)])
-        .chain([0.0]);
-    let mut frequencies: Vec<f64> = offsets
-        .flat_map(|o| {
-            systems
-                .iter()
-                .flat_map(|s| &s.frequencies)
-                .map(move |f| f * (1.0 + o))
-        })
-        .collect();
+    let offsets = (1..=7).flat_map(|k| [0.1f64.powi(k), -0.1f64.powi(k)]).chain([0.0]);
+    let mut frequencies: Vec<f64> =
+        offsets.flat_map(|o| systems.iter().flat_map(|s| &s.frequencies).map(move |f| f * (1.0 + o))).collect();
     frequencies.sort_by(f64::total_cmp);
     frequencies.dedup();
     Case::new(systems, frequencies)
@@ -59,19 +47,9 @@ fn f32_stays_within_its_bounds_on_and_beside_resonances_at_any_damping() {
         let case = beside_resonances(31, damping);
         let map = gpu::modal_sum(&gpu, &case.request(), Precision::F32).unwrap();
         let (entry, frobenius) = differences(&case, &map);
-        println!(
-            "damping {name}: entry {:.2} eps, Frobenius {frobenius:.2e}",
-            entry / EPS
-        );
-        assert!(
-            entry <= 8.0 * EPS,
-            "damping {name}: entry {:.2} eps",
-            entry / EPS
-        );
-        assert!(
-            frobenius <= 2e-6,
-            "damping {name}: Frobenius {frobenius:.2e}"
-        );
+        println!("damping {name}: entry {:.2} eps, Frobenius {frobenius:.2e}", entry / EPS);
+        assert!(entry <= 8.0 * EPS, "damping {name}: entry {:.2} eps", entry / EPS);
+        assert!(frobenius <= 2e-6, "damping {name}: Frobenius {frobenius:.2e}");
     }
 }
 
@@ -81,15 +59,8 @@ fn a_plain_f32_difference_breaks_the_bounds() {
     let case = beside_resonances(31, |_| 1e-3);
     let map = gpu::modal_sum_without_low_parts(&gpu, &case.request()).unwrap();
     let (entry, frobenius) = differences(&case, &map);
-    println!(
-        "without low parts: entry {:.0} eps, Frobenius {frobenius:.2e}",
-        entry / EPS
-    );
-    assert!(
-        entry > 8.0 * EPS && frobenius > 2e-6,
-        "entry {:.2} eps, Frobenius {frobenius:.2e}",
-        entry / EPS
-    );
+    println!("without low parts: entry {:.0} eps, Frobenius {frobenius:.2e}", entry / EPS);
+    assert!(entry > 8.0 * EPS && frobenius > 2e-6, "entry {:.2} eps, Frobenius {frobenius:.2e}", entry / EPS);
 }
 
 #[test]
@@ -99,15 +70,8 @@ fn quantities_residuals_and_any_number_of_ports_are_summed() {
         for quantity in QUANTITIES {
             let mut case = rich(n_ports);
             case.quantity = quantity;
-            let (entry, _) = differences(
-                &case,
-                &gpu::modal_sum(&gpu, &case.request(), Precision::F32).unwrap(),
-            );
-            assert!(
-                entry <= 8.0 * EPS,
-                "{n_ports} ports, {quantity:?}: {:.2} eps",
-                entry / EPS
-            );
+            let (entry, _) = differences(&case, &gpu::modal_sum(&gpu, &case.request(), Precision::F32).unwrap());
+            assert!(entry <= 8.0 * EPS, "{n_ports} ports, {quantity:?}: {:.2} eps", entry / EPS);
         }
     }
     let mut numbers = Numbers(8);
@@ -118,10 +82,7 @@ fn quantities_residuals_and_any_number_of_ports_are_summed() {
         system.residual = vec![numbers.matrix(5, 3, 1e-9).map(|x| Complex::new(x, 0.5 * x))];
     }
     case.inputs.truncate(3);
-    let (entry, _) = differences(
-        &case,
-        &gpu::modal_sum(&gpu, &case.request(), Precision::F32).unwrap(),
-    );
+    let (entry, _) = differences(&case, &gpu::modal_sum(&gpu, &case.request(), Precision::F32).unwrap());
     assert!(entry <= 8.0 * EPS, "5 x 3: {:.2} eps", entry / EPS);
 }
 
@@ -130,23 +91,15 @@ fn the_f64_shader_matches_to_1e_12() {
     let Some(gpu) = device() else { return };
     if !gpu.supports(Precision::F64) {
         println!("skipped: {} has no f64 in shaders", gpu.adapter().name);
-        let error = gpu::modal_sum(&gpu, &rich(3).request(), Precision::F64)
-            .err()
-            .unwrap();
+        let error = gpu::modal_sum(&gpu, &rich(3).request(), Precision::F64).err().unwrap();
         assert!(matches!(error, GpuError::NoF64 { .. }), "{error}");
         return;
     }
     for case in [beside_resonances(31, |_| 1e-4), rich(3)] {
         let map = gpu::modal_sum(&gpu, &case.request(), Precision::F64).unwrap();
         let reference = modal_sum(&case.request()).unwrap();
-        for (row, exact) in map
-            .values
-            .chunks_exact(9)
-            .zip(reference.values.chunks_exact(9))
-        {
-            let norm = |x: &mut dyn Iterator<Item = Complex<f64>>| {
-                x.map(|x| x.norm_sqr()).sum::<f64>().sqrt()
-            };
+        for (row, exact) in map.values.chunks_exact(9).zip(reference.values.chunks_exact(9)) {
+            let norm = |x: &mut dyn Iterator<Item = Complex<f64>>| x.map(|x| x.norm_sqr()).sum::<f64>().sqrt();
             let difference = norm(&mut row.iter().zip(exact).map(|(a, b)| a - b));
             let relative = difference / norm(&mut exact.iter().copied());
             assert!(relative <= 1e-12, "{relative:e}");
@@ -165,16 +118,10 @@ fn the_readable_twin_is_the_kernel() {
         let exact = modal_sum(&request).unwrap();
         for (p, k, i, j) in [(0, 1, 0, 0), (1, 77, 0, 2), (2, 300, 2, 1), (4, 699, 1, 1)] {
             let twin = twin::entry(&request, p, k, i, j);
-            let sum =
-                modal_fixture::sum_of_magnitudes(&case.systems[p], case.frequencies[k], quantity)
-                    [(i, j)];
+            let sum = modal_fixture::sum_of_magnitudes(&case.systems[p], case.frequencies[k], quantity)[(i, j)];
             for other in [device.at(p, k, i, j), exact.at(p, k, i, j)] {
                 let difference = (twin - other).norm() / sum;
-                assert!(
-                    difference <= 8.0 * EPS,
-                    "{quantity:?} {p} {k} {i} {j}: {:.2} eps",
-                    difference / EPS
-                );
+                assert!(difference <= 8.0 * EPS, "{quantity:?} {p} {k} {i} {j}: {:.2} eps", difference / EPS);
             }
         }
     }
@@ -193,41 +140,25 @@ fn extrema_found_on_the_device_are_those_of_the_processor() {
     let map = modal_sum(&request).unwrap();
     let pairs: Vec<_> = (0..3).flat_map(|i| (0..3).map(move |j| (i, j))).collect();
     let expected = grid_extrema(&map, &pairs);
-    for precision in [Precision::F32, Precision::F64]
-        .into_iter()
-        .filter(|p| gpu.supports(*p))
-    {
+    for precision in [Precision::F32, Precision::F64].into_iter().filter(|p| gpu.supports(*p)) {
         let found = gpu::metrics::grid_extrema(&gpu, &request, &pairs, precision).unwrap();
         for (p, (found, expected)) in found.iter().zip(&expected).enumerate() {
             for ((found, expected), &(i, j)) in found.iter().zip(expected).zip(&pairs) {
                 // Another frequency only where its value is the same to the device's rounding.
                 let peak = |k| map.at(p, k, i, j).norm();
                 let real = |k| map.at(p, k, i, j).re;
-                assert!(
-                    peak(found.peak) >= peak(expected.peak) * (1.0 - 16.0 * EPS),
-                    "{found:?} {expected:?}"
-                );
+                assert!(peak(found.peak) >= peak(expected.peak) * (1.0 - 16.0 * EPS), "{found:?} {expected:?}");
                 let slack = 16.0 * EPS * peak(expected.peak);
-                let (a, b) = (
-                    real(found.most_negative_real),
-                    real(expected.most_negative_real),
-                );
+                let (a, b) = (real(found.most_negative_real), real(expected.most_negative_real));
                 assert!(a <= b + slack, "{found:?} {expected:?}: {a:e} {b:e}");
             }
         }
     }
-    let refined =
-        gpu::metrics::metrics(&gpu, &request, &direct_pairs(&request), Precision::F32).unwrap();
+    let refined = gpu::metrics::metrics(&gpu, &request, &direct_pairs(&request), Precision::F32).unwrap();
     let on_cpu = stiffmap::frf::metrics::metrics(&request, &map, &direct_pairs(&request)).unwrap();
     for (a, b) in refined.iter().flatten().zip(on_cpu.iter().flatten()) {
-        assert!(
-            (a.peak.value / b.peak.value - 1.0).abs() < 1e-9,
-            "{a:?} {b:?}"
-        );
-        assert!(
-            (a.most_negative_real.value / b.most_negative_real.value - 1.0).abs() < 1e-9,
-            "{a:?} {b:?}"
-        );
+        assert!((a.peak.value / b.peak.value - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+        assert!((a.most_negative_real.value / b.most_negative_real.value - 1.0).abs() < 1e-9, "{a:?} {b:?}");
     }
 }
 
@@ -244,31 +175,19 @@ fn of_equal_values_the_lowest_frequency_is_named() {
     }
     let request = case.request();
     let found = gpu::metrics::grid_extrema(&gpu, &request, &[(0, 0)], Precision::F32).unwrap();
-    assert_eq!(
-        found,
-        grid_extrema(&modal_sum(&request).unwrap(), &[(0, 0)])
-    );
-    assert!(
-        found
-            .iter()
-            .all(|p| p[0].peak == 0 && p[0].most_negative_real == 0),
-        "{found:?}"
-    );
+    assert_eq!(found, grid_extrema(&modal_sum(&request).unwrap(), &[(0, 0)]));
+    assert!(found.iter().all(|p| p[0].peak == 0 && p[0].most_negative_real == 0), "{found:?}");
 }
 
 #[test]
 fn the_look_at_a_device_passes_and_notices_lost_low_parts() {
     let Some(gpu) = device() else { return };
-    for precision in [Precision::F32, Precision::F64]
-        .into_iter()
-        .filter(|p| gpu.supports(*p))
-    {
+    for precision in [Precision::F32, Precision::F64].into_iter().filter(|p| gpu.supports(*p)) {
         let figures = trust::check(&gpu, precision).unwrap();
         println!("{figures:?}");
         assert!(figures.pairs >= 200, "{} pairs", figures.pairs);
     }
-    let broken =
-        trust::figures_of(|request| gpu::modal_sum_without_low_parts(&gpu, request)).unwrap();
+    let broken = trust::figures_of(|request| gpu::modal_sum_without_low_parts(&gpu, request)).unwrap();
     assert!(broken.entry > broken.entry_bound, "{broken:?}");
 }
 
@@ -276,9 +195,7 @@ fn the_look_at_a_device_passes_and_notices_lost_low_parts() {
 fn tiles_come_in_order_and_append_to_the_map() {
     let Some(gpu) = device() else { return };
     let mut numbers = Numbers(2);
-    let systems = (0..40)
-        .map(|_| symmetric_system(&mut numbers, 3, 3, 0.02))
-        .collect();
+    let systems = (0..40).map(|_| symmetric_system(&mut numbers, 3, 3, 0.02)).collect();
     let case = Case::new(systems, (0..4000).map(|i| 0.2 * i as f64).collect());
     let request = case.request();
     let whole = gpu::modal_sum(&gpu, &request, Precision::F32).unwrap();
@@ -291,9 +208,6 @@ fn tiles_come_in_order_and_append_to_the_map() {
         };
         gpu::modal_sum_tiles(&gpu, &request, Precision::F32, first_pair, &mut sink).unwrap();
         assert!(tiles > 2, "{tiles} tiles");
-        assert!(
-            appended == whole.values[first_pair * 9..],
-            "from pair {first_pair}"
-        );
+        assert!(appended == whole.values[first_pair * 9..], "from pair {first_pair}");
     }
 }

@@ -4,60 +4,34 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
-use stiffmap::gpu::shader::{
-    CHUNK, Extrema, Kernel, MAX_DUOS, Params, Precision, Variant, WORKGROUP,
-};
+use stiffmap::gpu::shader::{CHUNK, Extrema, Kernel, MAX_DUOS, Params, Precision, Variant, WORKGROUP};
 
 fn variants() -> impl Iterator<Item = Variant> {
     let kernels = Kernel::ALL.into_iter();
     kernels.flat_map(|kernel| {
         [Precision::F32, Precision::F64]
             .into_iter()
-            .flat_map(move |precision| {
-                (1..=MAX_DUOS).map(move |duos| Variant {
-                    kernel,
-                    precision,
-                    duos,
-                    split: true,
-                })
-            })
+            .flat_map(move |precision| (1..=MAX_DUOS).map(move |duos| Variant { kernel, precision, duos, split: true }))
     })
 }
 
 fn parse(variant: Variant) -> Module {
     let source = variant.source();
-    naga::front::wgsl::parse_str(&source)
-        .unwrap_or_else(|e| panic!("{variant:?}: {}", e.emit_to_string(&source)))
+    naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{variant:?}: {}", e.emit_to_string(&source)))
 }
 
 /// Offsets of a struct's members by name, and its size.
 fn layout(module: &Module, name: &str) -> (Vec<(String, usize)>, usize) {
-    let found = module
-        .types
-        .iter()
-        .find(|(_, ty)| ty.name.as_deref() == Some(name));
-    let Some((
-        _,
-        naga::Type {
-            inner: TypeInner::Struct { members, span },
-            ..
-        },
-    )) = found
-    else {
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let Some((_, naga::Type { inner: TypeInner::Struct { members, span }, .. })) = found else {
         panic!("no struct {name}")
     };
-    let offsets = members
-        .iter()
-        .map(|m| (m.name.clone().unwrap(), m.offset as usize))
-        .collect();
+    let offsets = members.iter().map(|m| (m.name.clone().unwrap(), m.offset as usize)).collect();
     (offsets, *span as usize)
 }
 
 fn named(pairs: &[(&str, usize)]) -> Vec<(String, usize)> {
-    pairs
-        .iter()
-        .map(|(name, offset)| (name.to_string(), *offset))
-        .collect()
+    pairs.iter().map(|(name, offset)| (name.to_string(), *offset)).collect()
 }
 
 #[test]
@@ -77,11 +51,7 @@ fn every_variant_parses_and_validates() {
 #[test]
 fn validation_notices_f64_where_it_is_not_offered() {
     let module = parse(Variant::new(Kernel::ModalSum, Precision::F64, 6));
-    assert!(
-        Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&module)
-            .is_err()
-    );
+    assert!(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_err());
 }
 
 #[test]
@@ -91,18 +61,11 @@ fn bindings_and_workgroups_are_those_that_the_host_makes() {
         let mut bindings: Vec<_> = module
             .global_variables
             .iter()
-            .filter_map(|(_, v)| {
-                v.binding
-                    .map(|b| (b.group, b.binding, v.name.clone().unwrap(), v.space))
-            })
+            .filter_map(|(_, v)| v.binding.map(|b| (b.group, b.binding, v.name.clone().unwrap(), v.space)))
             .collect();
         bindings.sort_by_key(|b| (b.0, b.1));
-        let read = AddressSpace::Storage {
-            access: StorageAccess::LOAD,
-        };
-        let write = AddressSpace::Storage {
-            access: StorageAccess::LOAD | StorageAccess::STORE,
-        };
+        let read = AddressSpace::Storage { access: StorageAccess::LOAD };
+        let write = AddressSpace::Storage { access: StorageAccess::LOAD | StorageAccess::STORE };
         let output = match variant.kernel {
             Kernel::ModalSum => "values",
             Kernel::Metrics => "extrema",
@@ -115,14 +78,8 @@ fn bindings_and_workgroups_are_those_that_the_host_makes() {
             (1, 0, output.to_string(), write),
         ];
         assert_eq!(bindings, expected, "{variant:?}");
-        let [entry] = &module.entry_points[..] else {
-            panic!("{variant:?}: one entry point")
-        };
-        assert_eq!(
-            (entry.name.as_str(), entry.workgroup_size),
-            ("main", [WORKGROUP, 1, 1]),
-            "{variant:?}"
-        );
+        let [entry] = &module.entry_points[..] else { panic!("{variant:?}: one entry point") };
+        assert_eq!((entry.name.as_str(), entry.workgroup_size), ("main", [WORKGROUP, 1, 1]), "{variant:?}");
     }
 }
 
@@ -140,11 +97,7 @@ fn structs_have_the_offsets_of_the_host() {
     ]);
     for variant in variants() {
         let module = parse(variant);
-        assert_eq!(
-            layout(&module, "Params"),
-            (params.clone(), size_of::<Params>()),
-            "{variant:?}"
-        );
+        assert_eq!(layout(&module, "Params"), (params.clone(), size_of::<Params>()), "{variant:?}");
     }
     macro_rules! extrema {
         ($real:ty) => {{
@@ -161,11 +114,7 @@ fn structs_have_the_offsets_of_the_host() {
     let f64_module = parse(Variant::new(Kernel::Metrics, Precision::F64, 6));
     assert_eq!(layout(&f32_module, "Extrema"), extrema!(f32));
     assert_eq!(layout(&f64_module, "Extrema"), extrema!(f64));
-    assert_ne!(
-        layout(&f32_module, "Extrema"),
-        extrema!(f64),
-        "the comparison tells layouts apart"
-    );
+    assert_ne!(layout(&f32_module, "Extrema"), extrema!(f64), "the comparison tells layouts apart");
 }
 
 #[test]
@@ -176,11 +125,7 @@ fn no_kernel_exceeds_what_webgpu_guarantees() {
     // The reduction halves the workgroup.
     const { assert!(WORKGROUP.is_power_of_two()) };
     for variant in variants() {
-        assert_eq!(
-            CHUNK % (WORKGROUP * variant.ways()),
-            0,
-            "whole steps make a chunk: {variant:?}"
-        );
+        assert_eq!(CHUNK % (WORKGROUP * variant.ways()), 0, "whole steps make a chunk: {variant:?}");
     }
 }
 
@@ -193,11 +138,7 @@ fn groups_of_duos_are_as_few_and_as_even_as_they_can_be() {
 
 #[test]
 fn the_header_holds_the_constants_of_the_host() {
-    let source = Variant {
-        split: false,
-        ..Variant::new(Kernel::Metrics, Precision::F32, 6)
-    }
-    .source();
+    let source = Variant { split: false, ..Variant::new(Kernel::Metrics, Precision::F32, 6) }.source();
     for line in [
         format!("const WORKGROUP: u32 = {WORKGROUP}u;"),
         "const WAYS: u32 = 4u;".to_string(),

@@ -64,19 +64,28 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
     };
     writeln!(out, "joint")?;
     for joint in &machine.joints {
-        let springs: Vec<String> = joint.springs.iter().map(|s| match (s.stiffness, s.motion) {
-            (SpringStiffness::Constant(k), Motion::Translation) => format!("{} {:.4} N/um", s.label, k * 1e-6),
-            (SpringStiffness::Constant(k), Motion::Rotation) => format!("{} {k:.4e} N m/rad", s.label),
-            (SpringStiffness::BallScrew { young, diameter }, _) => {
-                let length = |p: f64| pipeline::screw_length(machine, joint, centroids, p);
-                let k = |p: f64| young * std::f64::consts::PI * diameter * diameter / (4.0 * length(p)) * 1e-6;
-                let [a, b] = machine.axis.travel;
-                format!(
-                    "E {:.1} GPa, D {:.1} mm, L {:.4} m at {a} m ({:.1} N/um), L {:.4} m at {b} m ({:.1} N/um)",
-                    young * 1e-9, diameter * 1e3, length(a), k(a), length(b), k(b)
-                )
-            }
-        }).collect();
+        let springs: Vec<String> = joint
+            .springs
+            .iter()
+            .map(|s| match (s.stiffness, s.motion) {
+                (SpringStiffness::Constant(k), Motion::Translation) => format!("{} {:.4} N/um", s.label, k * 1e-6),
+                (SpringStiffness::Constant(k), Motion::Rotation) => format!("{} {k:.4e} N m/rad", s.label),
+                (SpringStiffness::BallScrew { young, diameter }, _) => {
+                    let length = |p: f64| pipeline::screw_length(machine, joint, centroids, p);
+                    let k = |p: f64| young * std::f64::consts::PI * diameter * diameter / (4.0 * length(p)) * 1e-6;
+                    let [a, b] = machine.axis.travel;
+                    format!(
+                        "E {:.1} GPa, D {:.1} mm, L {:.4} m at {a} m ({:.1} N/um), L {:.4} m at {b} m ({:.1} N/um)",
+                        young * 1e-9,
+                        diameter * 1e3,
+                        length(a),
+                        k(a),
+                        length(b),
+                        k(b)
+                    )
+                }
+            })
+            .collect();
         let kind = match joint.kind {
             JointKind::LinearGuide => "linear guide",
             JointKind::Bearing => "bearing",
@@ -85,15 +94,31 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
             JointKind::SpringDamper => "spring-damper",
         };
         let footprint = joint.footprint.map_or_else(String::new, |f| format!(", footprint {:.1} mm", f * 1e3));
-        writeln!(out, "  {:<18} {kind}, {} on {}{footprint}: {}", joint.name, side(joint.between[1]), side(joint.between[0]), springs.join(", "))?;
+        writeln!(
+            out,
+            "  {:<18} {kind}, {} on {}{footprint}: {}",
+            joint.name,
+            side(joint.between[1]),
+            side(joint.between[0]),
+            springs.join(", ")
+        )?;
     }
     Ok(())
 }
 
 fn describe_axis(out: &mut String, machine: &Machine) -> Result<()> {
     let axis = &machine.axis;
-    let moving: Vec<&str> = machine.parts.iter().zip(&axis.moves).filter(|(_, m)| **m).map(|(p, _)| p.name.as_str()).collect();
-    writeln!(out, "\naxis {}: {} to {} m, {} stations; moves {}", axis.name, axis.travel[0], axis.travel[1], axis.stations().len(), moving.join(", "))?;
+    let moving: Vec<&str> =
+        machine.parts.iter().zip(&axis.moves).filter(|(_, m)| **m).map(|(p, _)| p.name.as_str()).collect();
+    writeln!(
+        out,
+        "\naxis {}: {} to {} m, {} stations; moves {}",
+        axis.name,
+        axis.travel[0],
+        axis.travel[1],
+        axis.stations().len(),
+        moving.join(", ")
+    )?;
     for port in &machine.ports {
         let part = &machine.parts[port.interface.part];
         let directions: Vec<&str> = port.directions.iter().map(|(d, _)| d.as_str()).collect();

@@ -11,6 +11,7 @@ mod summary;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use std::path::{Path, PathBuf};
 use stiffmap::export::ExportError;
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
@@ -18,7 +19,6 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
-use std::path::{Path, PathBuf};
 
 /// Dynamic stiffness of a machine tool over its whole work volume.
 #[derive(Parser, Debug)]
@@ -83,7 +83,9 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error.is::<MachineError>()
         || error.is::<MeshError>()
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
-        || error.downcast_ref::<FrfError>().is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))
+        || error
+            .downcast_ref::<FrfError>()
+            .is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))
         || matches!(error.downcast_ref::<GpuError>(), Some(GpuError::Request(_)));
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
 }

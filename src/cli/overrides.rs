@@ -29,7 +29,10 @@ impl Overrides {
                 return Err(UsageError(format!("--frequencies: {bad} Hz is negative; 0 Hz and above are allowed")));
             }
             if let Some(pair) = frequencies.windows(2).find(|p| p[1] <= p[0]) {
-                return Err(UsageError(format!("--frequencies: {} Hz follows {} Hz; they must ascend", pair[1], pair[0])));
+                return Err(UsageError(format!(
+                    "--frequencies: {} Hz follows {} Hz; they must ascend",
+                    pair[1], pair[0]
+                )));
             }
             machine.analysis.frequencies = frequencies;
         }
@@ -58,7 +61,10 @@ impl Overrides {
         let [from, to] = machine.axis.travel;
         for (i, p) in positions.iter().enumerate() {
             if *p < from.min(to) - 1e-9 || *p > from.max(to) + 1e-9 {
-                return Err(UsageError(format!("--positions: {p} m is outside the travel of axis \"{}\", {from} to {to} m", machine.axis.name)));
+                return Err(UsageError(format!(
+                    "--positions: {p} m is outside the travel of axis \"{}\", {from} to {to} m",
+                    machine.axis.name
+                )));
             }
             if positions[..i].contains(p) {
                 return Err(UsageError(format!("--positions: {p} m is given twice")));
@@ -81,7 +87,10 @@ fn numbers(flag: &str, text: &str) -> Result<Vec<f64>, UsageError> {
     }
     let parts = text.split(':').map(number).collect::<Result<Vec<f64>, _>>()?;
     let [from, to, step] = parts[..] else {
-        return Err(UsageError(format!("{flag}: \"{text}\" has {} of the three numbers of a range `from:to:step`", parts.len())));
+        return Err(UsageError(format!(
+            "{flag}: \"{text}\" has {} of the three numbers of a range `from:to:step`",
+            parts.len()
+        )));
     };
     if step == 0.0 {
         return Err(UsageError(format!("{flag}: the step of \"{text}\" is 0")));

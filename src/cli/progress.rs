@@ -18,12 +18,23 @@ impl Progress {
     }
 
     /// Runs a stage of `steps` steps (0 for a stage without), giving it a function to report each.
-    pub fn stage<T, E>(&mut self, name: &str, steps: usize, work: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, E>) -> Result<T, E> {
+    pub fn stage<T, E>(
+        &mut self,
+        name: &str,
+        steps: usize,
+        work: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, E>,
+    ) -> Result<T, E> {
         let start = Instant::now();
         let bar = if self.terminal && !self.quiet {
-            let template = if steps > 0 { "{prefix:<24} {bar:32} {pos}/{len} {elapsed}" } else { "{prefix:<24} {spinner} {elapsed}" };
+            let template = if steps > 0 {
+                "{prefix:<24} {bar:32} {pos}/{len} {elapsed}"
+            } else {
+                "{prefix:<24} {spinner} {elapsed}"
+            };
             let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-            let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr()).with_style(style).with_prefix(name.to_string());
+            let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr())
+                .with_style(style)
+                .with_prefix(name.to_string());
             bar.enable_steady_tick(std::time::Duration::from_millis(100));
             bar
         } else {

@@ -11,7 +11,9 @@ use stiffmap::export::manifest::{Check, Manifest};
 use stiffmap::export::{eigenfrequencies, mat, surface};
 use stiffmap::figures::{FigureInput, HeightScale, draw_all};
 use stiffmap::frf::metrics::{PairMetrics, direct_pairs, metrics};
-use stiffmap::frf::{ComplianceMap, FrfRequest, ModalSystem, Quantity, Selection, Truncation, modal_sum, modal_systems};
+use stiffmap::frf::{
+    ComplianceMap, FrfRequest, ModalSystem, Quantity, Selection, Truncation, modal_sum, modal_systems,
+};
 use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision, compute};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, read_machine};
@@ -91,19 +93,26 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(&machine))?;
     let mut warnings = mesh_warnings(&machine, &meshes);
     let cache = if arguments.no_cache { None } else { cache_folder().map(Cache::in_folder) };
-    let cached = progress.stage("reduce parts", parts, |step| pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), interrupt, step))?;
+    let cached = progress.stage("reduce parts", parts, |step| {
+        pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), interrupt, step)
+    })?;
     warnings.extend(pipeline::cache_warnings(&cached));
     let hits = cached.iter().filter(|c| c.hit).count();
     let superelements: Vec<_> = cached.into_iter().map(|c| c.superelement).collect();
 
     let highest = machine.analysis.frequencies.iter().copied().fold(0.0, f64::max);
     let reported = machine.analysis.modes;
-    let (model, band) = progress.stage("couple", 0, |_| pipeline::build_model(&machine, &superelements, reported, highest))?;
+    let (model, band) =
+        progress.stage("couple", 0, |_| pipeline::build_model(&machine, &superelements, reported, highest))?;
     warnings.extend(model.side_by_side.overhangs());
     let mut checks = Vec::new();
     if hits < parts {
         let check = progress.stage("check fixed basis", 0, |_| pipeline::check_basis(&machine, &model, reported))?;
-        checks.push(figure("fixed basis against the superelements side by side, largest relative frequency difference", check, 1e-5));
+        checks.push(figure(
+            "fixed basis against the superelements side by side, largest relative frequency difference",
+            check,
+            1e-5,
+        ));
     }
     let solved = progress.stage("modes", positions.len(), |step| {
         pipeline::solve_positions(&machine, &model, &positions, reported, interrupt, step)
@@ -115,10 +124,18 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     ));
 
     let exactly = arguments.overrides.modes.is_some() || arguments.no_residual;
-    let selection = if exactly { Selection::Exactly { modes: reported, residual: !arguments.no_residual } } else { Selection::Controlled { tolerance: TRUNCATION } };
+    let selection = if exactly {
+        Selection::Exactly { modes: reported, residual: !arguments.no_residual }
+    } else {
+        Selection::Controlled { tolerance: TRUNCATION }
+    };
     let (systems, truncation) = modal_systems(&solved.modes, highest, selection)?;
     if !exactly {
-        checks.push(figure("truncation of the map against all modes of the basis, relative Frobenius norm", truncation.error, TRUNCATION));
+        checks.push(figure(
+            "truncation of the map against all modes of the basis, relative Frobenius norm",
+            truncation.error,
+            TRUNCATION,
+        ));
     }
     let (outputs, inputs) = (model.output_names(), model.input_names());
     let request = FrfRequest {
@@ -135,11 +152,18 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         cache_dir: if arguments.no_cache { None } else { cache_folder() },
     };
     let (map, backend) = progress.stage("compliance map", 0, |_| compute(&request, &options))?;
-    let metrics = metrics(&request, &map, &direct_pairs(&request))?;
+    let undamped = undamped_in_band(&request);
+    let metrics = if undamped.is_none() { metrics(&request, &map, &direct_pairs(&request))? } else { Vec::new() };
+    if let Some(frequency) = undamped {
+        warnings.push(format!("the mode at {frequency:.3} Hz has no damping, so no smallest dynamic stiffness is given"));
+    }
 
     let mut manifest = Manifest {
         name: machine.name.clone(),
-        machine_file: arguments.machine.as_ref().map_or_else(|| "bundled vertical mill".into(), |p| p.display().to_string()),
+        machine_file: arguments
+            .machine
+            .as_ref()
+            .map_or_else(|| "bundled vertical mill".into(), |p| p.display().to_string()),
         backend: without_nulls(serde_json::to_value(&backend)?),
         checks,
         warnings,
@@ -153,16 +177,45 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     manifest.settings.push("free_motions", json!(free_motions));
     manifest.settings.push("veerings", json!(summary::veerings(&solved.families)));
 
-    let outcome = Outcome { table: mode_table(&solved.families), free_motions, machine, solved, truncation, map, backend, metrics, out };
+    let outcome = Outcome {
+        table: mode_table(&solved.families),
+        free_motions,
+        machine,
+        solved,
+        truncation,
+        map,
+        backend,
+        metrics,
+        out,
+    };
     manifest.settings.push("smallest_dynamic_stiffness", json!(summary::smallest_stiffness(&outcome)));
-    let states = StateSpaceOptions { modes: reported, velocity: false, acceleration: false, residual: !arguments.no_residual };
-    write(&outcome, &request_for_figures(&outcome, &systems), states, arguments, &mut progress, &mut manifest, interrupt)?;
+    let states =
+        StateSpaceOptions { modes: reported, velocity: false, acceleration: false, residual: !arguments.no_residual };
+    write(
+        &outcome,
+        &request_for_figures(&outcome, &systems),
+        states,
+        arguments,
+        &mut progress,
+        &mut manifest,
+        interrupt,
+    )?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {
         summary::print(&outcome, &manifest, &progress);
     }
     Ok(())
+}
+
+/// Frequency (Hz) of a mode inside the grid's range that nothing damps: its peak is unbounded.
+fn undamped_in_band(request: &FrfRequest<'_>) -> Option<f64> {
+    let (from, to) = (*request.frequencies.first()?, *request.frequencies.last()?);
+    let of_system = |s: &ModalSystem| {
+        let damping = s.damping_ratios.iter().zip(&s.loss_factors).map(|(zeta, eta)| 2.0 * zeta + eta);
+        s.frequencies.iter().copied().zip(damping).find(|(f, d)| (from..=to).contains(f) && *d <= 0.0)
+    };
+    request.systems.iter().find_map(of_system).map(|(f, _)| f)
 }
 
 /// Writes every file, the manifest last.
@@ -250,8 +303,10 @@ fn request_for_figures<'a>(outcome: &'a Outcome, systems: &'a [ModalSystem]) -> 
     let pairs = map.positions.len() * map.outputs.len() * map.inputs.len();
     let wanted = PICTURE_FREQUENCIES.min(PICTURE_VALUES / pairs.max(1));
     let divide = (wanted / given.len().max(1)).max(1);
-    let mut frequencies: Vec<f64> =
-        given.windows(2).flat_map(|w| (0..divide).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / divide as f64)).collect();
+    let mut frequencies: Vec<f64> = given
+        .windows(2)
+        .flat_map(|w| (0..divide).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / divide as f64))
+        .collect();
     frequencies.extend(given.last());
     FigureRequest { map, systems, frequencies }
 }
@@ -292,7 +347,13 @@ fn describe_size(
     counts.push("modes_in_map_most", truncation.most_modes as u64);
 }
 
-fn describe_settings(manifest: &mut Manifest, machine: &Machine, arguments: &Arguments, truncation: &Truncation, band: f64) {
+fn describe_settings(
+    manifest: &mut Manifest,
+    machine: &Machine,
+    arguments: &Arguments,
+    truncation: &Truncation,
+    band: f64,
+) {
     let settings = &mut manifest.settings;
     let damping = &machine.analysis.damping;
     settings.push("axis", json!(machine.axis.name));

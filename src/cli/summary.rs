@@ -48,7 +48,10 @@ pub fn free_motions(solved: &Solved, model: &CoupledModel) -> Vec<String> {
 /// The veerings in words.
 pub fn veerings(families: &ModeFamilies) -> Vec<String> {
     let one = |v: &stiffmap::modal::Veering| {
-        format!("families {} and {} veer between {:.4} and {:.4} m (MAC {:.2})", v.families[0], v.families[1], v.from, v.to, v.mac)
+        format!(
+            "families {} and {} veer between {:.4} and {:.4} m (MAC {:.2})",
+            v.families[0], v.families[1], v.from, v.to, v.mac
+        )
     };
     families.veerings.iter().map(one).collect()
 }
@@ -61,7 +64,12 @@ pub fn print(outcome: &Outcome, manifest: &Manifest, progress: &Progress) {
         text.push('\n');
     };
     let axis = &outcome.machine.axis.name;
-    line(format!("\n{}: {} positions along {axis}, {} frequencies", outcome.machine.name, outcome.map.positions.len(), outcome.map.frequencies.len()));
+    line(format!(
+        "\n{}: {} positions along {axis}, {} frequencies",
+        outcome.machine.name,
+        outcome.map.positions.len(),
+        outcome.map.frequencies.len()
+    ));
     for free in &outcome.free_motions {
         line(format!("free motion at 0 Hz: {free}"));
     }
@@ -81,7 +89,9 @@ pub fn print(outcome: &Outcome, manifest: &Manifest, progress: &Progress) {
     for veering in veerings(&outcome.solved.families) {
         line(veering);
     }
-    line("\nsmallest dynamic stiffness 1/|H| at the tool (element-wise)".into());
+    if !outcome.metrics.is_empty() {
+        line("\nsmallest dynamic stiffness 1/|H| (element-wise)".into());
+    }
     for weakest in smallest_stiffness(outcome) {
         line(format!(
             "  {:<8} {:8.3} N/um   at {axis} = {:.3} m, {:.1} Hz",
@@ -98,9 +108,20 @@ pub fn print(outcome: &Outcome, manifest: &Manifest, progress: &Progress) {
         truncation.fewest_modes, truncation.most_modes, truncation.error
     ));
     let adapter = outcome.backend.adapter.as_ref().map_or_else(String::new, |a| format!(" on {}", a.name));
-    line(format!("back end: {}{adapter} ({}): {}", outcome.backend.backend, outcome.backend.precision.name(), outcome.backend.why));
+    line(format!(
+        "back end: {}{adapter} ({}): {}",
+        outcome.backend.backend,
+        outcome.backend.precision.name(),
+        outcome.backend.why
+    ));
     for check in &manifest.checks {
-        line(format!("{}: {}, {:.1e} (bound {:.0e})", if check.passed { "passed" } else { "FAILED" }, check.name, check.figure, check.bound));
+        line(format!(
+            "{}: {}, {:.1e} (bound {:.0e})",
+            if check.passed { "passed" } else { "FAILED" },
+            check.name,
+            check.figure,
+            check.bound
+        ));
     }
     for warning in &manifest.warnings {
         line(format!("warning: {warning}"));

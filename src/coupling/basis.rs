@@ -63,7 +63,8 @@ impl FixedBasis {
         let edge = (TAU * options.band).powi(2);
         let (low, high): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| machine.eigenvalues[i] <= edge);
         let high_eigenvalues: Vec<f64> = high.iter().map(|&i| machine.eigenvalues[i]).collect();
-        let mut basis = Self { low, high, high_eigenvalues, directions: DMatrix::zeros(0, 0), eigenvalues: DVector::zeros(0) };
+        let mut basis =
+            Self { low, high, high_eigenvalues, directions: DMatrix::zeros(0, 0), eigenvalues: DVector::zeros(0) };
         let responses = basis.training_responses(machine, (TAU * options.frequency).powi(2))?;
         let span = orthonormal_span(&responses, options.tolerance)?;
         let mut weighted = span.clone();
@@ -88,7 +89,10 @@ impl FixedBasis {
             if unit > 0.0 {
                 let scale = omega_squared.sqrt() / unit;
                 let first = DVector::from_iterator(row.len(), row.iter().zip(lambda).map(|(b, l)| scale * b / l));
-                columns.push(DVector::from_iterator(row.len(), first.iter().zip(lambda).map(|(v, l)| v * omega_squared / l)));
+                columns.push(DVector::from_iterator(
+                    row.len(),
+                    first.iter().zip(lambda).map(|(v, l)| v * omega_squared / l),
+                ));
                 columns.push(first);
             }
         };
@@ -171,6 +175,7 @@ impl FixedBasis {
 fn training_positions(machine: &SideBySide) -> Vec<f64> {
     let [from, to] = machine.axis.travel;
     let shortest = machine.joints.iter().filter_map(|j| j.footprint).fold(f64::INFINITY, f64::min);
-    let intervals = if shortest.is_finite() { ((to - from).abs() / (SPACING * shortest)).ceil().max(1.0) as usize } else { 1 };
+    let intervals =
+        if shortest.is_finite() { ((to - from).abs() / (SPACING * shortest)).ceil().max(1.0) as usize } else { 1 };
     (0..=intervals).map(|i| from + (to - from) * i as f64 / intervals as f64).collect()
 }

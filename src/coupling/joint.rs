@@ -86,7 +86,13 @@ impl CoupledJoint {
         Ok(out)
     }
 
-    fn footprint_at(&self, rail: &ReducedRail, point: [f64; 3], position: f64, axis: &Axis) -> Result<ReducedInterface, CouplingError> {
+    fn footprint_at(
+        &self,
+        rail: &ReducedRail,
+        point: [f64; 3],
+        position: f64,
+        axis: &Axis,
+    ) -> Result<ReducedInterface, CouplingError> {
         let centre = (0..3).map(|c| point[c] * axis.direction[c]).sum::<f64>();
         let length = self.footprint.unwrap_or_default();
         rail.footprint(axis.direction, centre, length).ok_or_else(|| {
@@ -147,13 +153,23 @@ pub(crate) fn overhang(
         let (from, to) = (centre(position) - 0.5 * length, centre(position) + 0.5 * length);
         let share = ((to.min(rail_to) - from.max(rail_from)) / length).max(0.0);
         if share < LEAST_SHARE {
-            return Err(CouplingError::FootprintLeavesRail { joint: joint.to_string(), position, from, to, rail_from, rail_to });
+            return Err(CouplingError::FootprintLeavesRail {
+                joint: joint.to_string(),
+                position,
+                from,
+                to,
+                rail_from,
+                rail_to,
+            });
         }
         if share < 1.0 - 1e-9 && least.is_none_or(|(l, _)| share < l) {
             least = Some((share, position));
         }
     }
     Ok(least.map(|(share, position)| {
-        format!("joint \"{joint}\": at {position} m only {:.0} % of the footprint lies on the rail; the part on it carries", 100.0 * share)
+        format!(
+            "joint \"{joint}\": at {position} m only {:.0} % of the footprint lies on the rail; the part on it carries",
+            100.0 * share
+        )
     }))
 }

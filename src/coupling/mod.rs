@@ -51,7 +51,9 @@ pub enum CouplingError {
         rail_to: f64,
     },
     /// A ball screw's free length is not positive.
-    #[error("joint \"{joint}\": at position {position} m the free length of the screw is {length:.4} m; mount and nut must not meet within the travel")]
+    #[error(
+        "joint \"{joint}\": at position {position} m the free length of the screw is {length:.4} m; mount and nut must not meet within the travel"
+    )]
     ScrewLength {
         /// Joint.
         joint: String,

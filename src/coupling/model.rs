@@ -87,7 +87,11 @@ pub struct Coupled {
 ///
 /// # Errors
 /// [`CouplingError`].
-pub fn couple(machine: &Machine, superelements: &[Superelement], options: BasisOptions) -> Result<CoupledModel, CouplingError> {
+pub fn couple(
+    machine: &Machine,
+    superelements: &[Superelement],
+    options: BasisOptions,
+) -> Result<CoupledModel, CouplingError> {
     let side_by_side = SideBySide::new(machine, superelements)?;
     let basis = FixedBasis::new(&side_by_side, options)?;
     let q = basis.matrix();
@@ -199,12 +203,16 @@ impl CoupledModel {
     pub fn coupled(&self, at: &AtPosition, stiffness: &[f64]) -> Coupled {
         let (s, o, i) = (at.springs.nrows(), at.outputs.nrows(), at.inputs.nrows());
         assert_eq!(stiffness.len(), s, "one stiffness a spring");
-        let c = |row: usize, rows: usize, column: usize, columns: usize| at.residual.view((row, column), (rows, columns)).into_owned();
+        let c = |row: usize, rows: usize, column: usize, columns: usize| {
+            at.residual.view((row, column), (rows, columns)).into_owned()
+        };
         let root: Vec<f64> = stiffness.iter().map(|k| k.sqrt()).collect();
         // D' = D^1/2 (I + D^1/2 C D^1/2)^-1 D^1/2, which stands a stiffness of zero.
         let flexibility = c(0, s, 0, s);
-        let inner = DMatrix::from_fn(s, s, |a, b| root[a] * flexibility[(a, b)] * root[b] + f64::from(u8::from(a == b)));
-        let inverse = inner.cholesky().map(|f| f.inverse()).expect("I + a positive semidefinite matrix is positive definite");
+        let inner =
+            DMatrix::from_fn(s, s, |a, b| root[a] * flexibility[(a, b)] * root[b] + f64::from(u8::from(a == b)));
+        let inverse =
+            inner.cholesky().map(|f| f.inverse()).expect("I + a positive semidefinite matrix is positive definite");
         let series = DMatrix::from_fn(s, s, |a, b| root[a] * inverse[(a, b)] * root[b]);
         let forces = multiply(&series, &at.springs);
         let mut full = multiply_transposed(&at.springs, &forces);

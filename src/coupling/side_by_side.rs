@@ -51,7 +51,8 @@ impl SideBySide {
             let side = |s: usize| {
                 let at = joint.between[s];
                 let part = &superelements[at.part];
-                let rail = part.rails.iter().find(|r| s == 0 && joint.footprint.is_some() && r.interface == at.interface);
+                let rail =
+                    part.rails.iter().find(|r| s == 0 && joint.footprint.is_some() && r.interface == at.interface);
                 Side {
                     first_column: first_column[at.part],
                     moves: machine.axis.moves[at.part],
@@ -61,17 +62,22 @@ impl SideBySide {
                     ),
                 }
             };
-            let centroids = [0, 1].map(|s| superelements[joint.between[s].part].interfaces[joint.between[s].interface].centroid);
+            let centroids =
+                [0, 1].map(|s| superelements[joint.between[s].part].interfaces[joint.between[s].interface].centroid);
             CoupledJoint {
                 name: joint.name.clone(),
                 kind: joint.kind,
-                springs: joint.springs.iter().map(|s| CoupledSpring {
-                    label: s.label.clone(),
-                    motion: s.motion,
-                    direction: s.direction,
-                    stiffness: s.stiffness,
-                    damping: s.damping,
-                }).collect(),
+                springs: joint
+                    .springs
+                    .iter()
+                    .map(|s| CoupledSpring {
+                        label: s.label.clone(),
+                        motion: s.motion,
+                        direction: s.direction,
+                        stiffness: s.stiffness,
+                        damping: s.damping,
+                    })
+                    .collect(),
                 loss_factor: joint.loss_factor,
                 point: match joint.at {
                     JointPoint::Point(x) => x,
@@ -115,7 +121,9 @@ impl SideBySide {
             let relative = f64::from(joint.sides[1].moves) - f64::from(joint.sides[0].moves);
             let along = |x: [f64; 3]| (0..3).map(|c| x[c] * self.axis.direction[c]).sum::<f64>();
             let centre = |p: f64| along(joint.point) + relative * p;
-            overhang(&joint.name, rail.surface.extent(self.axis.direction), joint.footprint?, &stations, centre).ok().flatten()
+            overhang(&joint.name, rail.surface.extent(self.axis.direction), joint.footprint?, &stations, centre)
+                .ok()
+                .flatten()
         };
         self.joints.iter().filter_map(one).collect()
     }

@@ -13,12 +13,7 @@ pub const NODES: usize = 10;
 const SIDES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// Faces as six-node triangles (three corners, then the midsides 12, 23, 31 of the face), outward.
-pub const FACES: [[usize; 6]; 4] = [
-    [0, 2, 1, 6, 5, 4],
-    [0, 1, 3, 4, 8, 7],
-    [1, 2, 3, 5, 9, 8],
-    [2, 0, 3, 6, 7, 9],
-];
+pub const FACES: [[usize; 6]; 4] = [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9]];
 
 /// Shape functions at (r, s, t).
 pub fn shape([r, s, t]: [f64; 3]) -> [f64; NODES] {
@@ -101,7 +96,12 @@ pub struct ElementMatrices {
 ///
 /// # Source
 /// Zienkiewicz and Taylor, The Finite Element Method, vol. 1, ch. 6; rules in [`super::quadrature`].
-pub fn matrices(nodes: &[[f64; 3]; NODES], young: f64, poisson: f64, density: f64) -> Result<Box<ElementMatrices>, f64> {
+pub fn matrices(
+    nodes: &[[f64; 3]; NODES],
+    young: f64,
+    poisson: f64,
+    density: f64,
+) -> Result<Box<ElementMatrices>, f64> {
     let lame = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
     let shear = young / (2.0 * (1.0 + poisson));
     let mut out = Box::new(ElementMatrices { stiffness: [[[[0.0; 3]; 3]; NODES]; NODES], mass: [[0.0; NODES]; NODES] });

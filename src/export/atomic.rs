@@ -59,11 +59,7 @@ pub fn write_atomic(
     let mut writer = BufWriter::with_capacity(1 << 18, file);
     write(&mut writer)?;
     writer.flush().map_err(io(path, "write"))?;
-    drop(
-        writer
-            .into_inner()
-            .map_err(|e| io(path, "write")(e.into_error()))?,
-    );
+    drop(writer.into_inner().map_err(|e| io(path, "write")(e.into_error()))?);
     name.persist(path).map_err(|e| io(path, "replace")(e.error))
 }
 
@@ -72,9 +68,7 @@ pub fn write_atomic(
 /// # Errors
 /// As [`write_atomic`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
-    write_atomic(path, |file| {
-        file.write_all(bytes).map_err(io(path, "write"))
-    })
+    write_atomic(path, |file| file.write_all(bytes).map_err(io(path, "write")))
 }
 
 /// Removes the temporaries of all writes under way, for a signal handler about to end the process.
@@ -89,20 +83,12 @@ pub fn remove_temporaries() -> Result<(), Vec<ExportError>> {
             _ => None,
         })
         .collect();
-    if failures.is_empty() {
-        Ok(())
-    } else {
-        Err(failures)
-    }
+    if failures.is_empty() { Ok(()) } else { Err(failures) }
 }
 
 /// Turns an I/O error into one that names the file and what was tried.
 pub fn io(path: &Path, action: &'static str) -> impl Fn(std::io::Error) -> ExportError {
-    move |source| ExportError::Io {
-        path: path.to_path_buf(),
-        action,
-        source,
-    }
+    move |source| ExportError::Io { path: path.to_path_buf(), action, source }
 }
 
 /// A hidden temporary beside the file, `.compliance.mat.XXXXXX.tmp`, with ordinary permissions.

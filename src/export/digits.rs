@@ -66,12 +66,7 @@ fn decade(value: f64) -> i32 {
 
 /// value 10^power to the nearest integer.
 fn scaled(value: f64, power: i32) -> u64 {
-    let factor = |p: i32| {
-        POWERS
-            .get(p as usize)
-            .copied()
-            .unwrap_or_else(|| 10_f64.powi(p))
-    };
+    let factor = |p: i32| POWERS.get(p as usize).copied().unwrap_or_else(|| 10_f64.powi(p));
     let product = if power > 300 {
         value * factor(300) * factor(power - 300)
     } else if power >= 0 {
@@ -84,8 +79,8 @@ fn scaled(value: f64, power: i32) -> u64 {
 
 /// The powers of ten that are exact in f64.
 const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
 ];
 
 fn put(digits: &mut [u8], mut value: u64) {
@@ -122,21 +117,11 @@ mod tests {
     #[test]
     fn nine_digits_read_back_over_the_whole_range() {
         for k in -300..300 {
-            for m in [
-                1.0,
-                1.000000004,
-                2.5,
-                3.333333333333333,
-                9.99999999,
-                9.9999999999,
-            ] {
+            for m in [1.0, 1.000000004, 2.5, 3.333333333333333, 9.99999999, 9.9999999999] {
                 let value = m * 10_f64.powi(k);
                 let written = text(scientific, value);
                 let read: f64 = written.parse().unwrap();
-                assert!(
-                    (read / value - 1.0).abs() < 6e-9,
-                    "{value:e} written as {written}"
-                );
+                assert!((read / value - 1.0).abs() < 6e-9, "{value:e} written as {written}");
             }
         }
         assert_eq!(text(scientific, 0.0), "0e0");

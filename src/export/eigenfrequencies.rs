@@ -15,12 +15,7 @@ use crate::modal::{ModeFamilies, ModeTableRow};
 /// [`ExportError::Shape`] if the modes are not one list a position, [`ExportError::NotFinite`] for
 /// NaN and infinities, [`ExportError::Io`] if the file cannot be written.
 pub fn write_families(path: &Path, families: &ModeFamilies) -> Result<(), ExportError> {
-    length(
-        path,
-        "the modes per position",
-        families.modes.len(),
-        families.positions.len(),
-    )?;
+    length(path, "the modes per position", families.modes.len(), families.positions.len())?;
     let mut text = String::from("position_m,family,rank,frequency_hz,damping_ratio\n");
     for (i, (position, modes)) in families.positions.iter().zip(&families.modes).enumerate() {
         let position = finite(path, *position, || format!("position {i}"))?;
@@ -52,11 +47,7 @@ pub fn write_mode_table(path: &Path, rows: &[ModeTableRow]) -> Result<(), Export
         )
         .map_err(atomic::io(path, "write"))?;
         for row in rows {
-            let number = |value, what| {
-                finite(path, value, || {
-                    format!("the {what} of family {}", row.family)
-                })
-            };
+            let number = |value, what| finite(path, value, || format!("the {what} of family {}", row.family));
             let difference = if row.min < FREE_BELOW_HZ {
                 String::new()
             } else {

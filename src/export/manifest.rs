@@ -106,12 +106,8 @@ impl Manifest {
             super::finite(path, *seconds, || format!("the time of stage `{stage}`"))?;
         }
         for check in &self.checks {
-            super::finite(path, check.figure, || {
-                format!("the figure of check `{}`", check.name)
-            })?;
-            super::finite(path, check.bound, || {
-                format!("the bound of check `{}`", check.name)
-            })?;
+            super::finite(path, check.figure, || format!("the figure of check `{}`", check.name))?;
+            super::finite(path, check.bound, || format!("the bound of check `{}`", check.name))?;
         }
         no_null(path, "backend", &self.backend)?;
         for (name, value) in &self.settings.0 {
@@ -121,10 +117,7 @@ impl Manifest {
         unique(path, &self.settings)?;
         unique(path, &self.counts)?;
         unique(path, &self.seconds)?;
-        let format = |e: serde_json::Error| ExportError::Format {
-            path: path.into(),
-            reason: e.to_string(),
-        };
+        let format = |e: serde_json::Error| ExportError::Format { path: path.into(), reason: e.to_string() };
         let mut text = serde_json::to_vec_pretty(self).map_err(format)?;
         text.push(b'\n');
         atomic::write_bytes(path, &text)
@@ -137,13 +130,8 @@ fn no_null(path: &Path, name: &str, value: &Value) -> Result<(), ExportError> {
             path: path.into(),
             reason: format!("`{name}` is null: a number that is not finite, or no value"),
         }),
-        Value::Array(list) => list
-            .iter()
-            .enumerate()
-            .try_for_each(|(i, v)| no_null(path, &format!("{name}[{i}]"), v)),
-        Value::Object(map) => map
-            .iter()
-            .try_for_each(|(key, v)| no_null(path, &format!("{name}.{key}"), v)),
+        Value::Array(list) => list.iter().enumerate().try_for_each(|(i, v)| no_null(path, &format!("{name}[{i}]"), v)),
+        Value::Object(map) => map.iter().try_for_each(|(key, v)| no_null(path, &format!("{name}.{key}"), v)),
         _ => Ok(()),
     }
 }
@@ -153,10 +141,7 @@ fn unique<T>(path: &Path, list: &Ordered<T>) -> Result<(), ExportError> {
     for (i, (name, _)) in list.0.iter().enumerate() {
         if list.0[..i].iter().any(|(earlier, _)| earlier == name) {
             let reason = format!("`{name}` is given twice");
-            return Err(ExportError::Format {
-                path: path.into(),
-                reason,
-            });
+            return Err(ExportError::Format { path: path.into(), reason });
         }
     }
     Ok(())

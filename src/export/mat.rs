@@ -29,12 +29,7 @@ const BLOCK: usize = 16;
 /// infinities, [`ExportError::TooLarge`] past the format's 2^31 bytes (119 million values),
 /// [`ExportError::Io`] if the file cannot be written.
 pub fn write_compliance(path: &Path, map: &ComplianceMap) -> Result<(), ExportError> {
-    let dims = [
-        map.positions.len(),
-        map.frequencies.len(),
-        map.outputs.len(),
-        map.inputs.len(),
-    ];
+    let dims = [map.positions.len(), map.frequencies.len(), map.outputs.len(), map.inputs.len()];
     length(path, "the map", map.values.len(), dims.iter().product())?;
     check_axis(path, "position", &map.positions)?;
     check_axis(path, "frequency", &map.frequencies)?;
@@ -49,18 +44,8 @@ pub fn write_compliance(path: &Path, map: &ComplianceMap) -> Result<(), ExportEr
             ("output", Value::names(&map.outputs)),
             ("input", Value::names(&map.inputs)),
             ("quantity", Value::Text(Cow::Borrowed(name))),
-            (
-                "unit",
-                Value::Text(Cow::Borrowed(response::unit(map.quantity))),
-            ),
-            (
-                name,
-                Value::Complex {
-                    dims: dims.to_vec(),
-                    re: re.into(),
-                    im: im.into(),
-                },
-            ),
+            ("unit", Value::Text(Cow::Borrowed(response::unit(map.quantity)))),
+            (name, Value::Complex { dims: dims.to_vec(), re: re.into(), im: im.into() }),
         ],
     )
 }
@@ -92,16 +77,7 @@ pub fn write_state_space(
     for state in states {
         check_state(path, state, outputs.len(), inputs.len())?;
     }
-    let fields = vec![
-        "position",
-        "A",
-        "B",
-        "C",
-        "D",
-        "eigenvalues",
-        "eigenvectors",
-        "damping",
-    ];
+    let fields = vec!["position", "A", "B", "C", "D", "eigenvalues", "eigenvectors", "damping"];
     let values = states
         .iter()
         .map(|s| {
@@ -119,22 +95,8 @@ pub fn write_state_space(
         .collect();
     let text = |t| Value::Text(Cow::Borrowed(t));
     let units = Value::Structs {
-        fields: vec![
-            "position",
-            "input",
-            "displacement",
-            "velocity",
-            "acceleration",
-            "eigenvalues",
-        ],
-        values: vec![vec![
-            text("m"),
-            text("N"),
-            text("m"),
-            text("m/s"),
-            text("m/s^2"),
-            text("(rad/s)^2"),
-        ]],
+        fields: vec!["position", "input", "displacement", "velocity", "acceleration", "eigenvalues"],
+        values: vec![vec![text("m"), text("N"), text("m"), text("m/s"), text("m/s^2"), text("(rad/s)^2")]],
     };
     mat5::write(
         path,
@@ -163,48 +125,34 @@ fn column_major(values: &[Complex<f64>], dims: [usize; 4]) -> (Vec<f64>, Vec<f64
     let mut tasks: Vec<Vec<(&mut [f64], &mut [f64])>> = Vec::new();
     tasks.resize_with(blocks, Vec::new);
     for (re, im) in re.chunks_mut(plane).zip(im.chunks_mut(plane)) {
-        let parts = re
-            .chunks_mut(BLOCK * n_position)
-            .zip(im.chunks_mut(BLOCK * n_position));
-        tasks
-            .iter_mut()
-            .zip(parts)
-            .for_each(|(task, part)| task.push(part));
+        let parts = re.chunks_mut(BLOCK * n_position).zip(im.chunks_mut(BLOCK * n_position));
+        tasks.iter_mut().zip(parts).for_each(|(task, part)| task.push(part));
     }
-    tasks
-        .into_par_iter()
-        .enumerate()
-        .for_each(|(block, mut planes)| {
-            let first = block * BLOCK;
-            let width = BLOCK.min(n_frequency - first);
-            for p in 0..n_position {
-                let rows = &values[(p * n_frequency + first) * entries..][..width * entries];
-                for (f, row) in rows.chunks_exact(entries).enumerate() {
-                    for (entry, value) in row.iter().enumerate() {
-                        // Plane k of the output holds output k % n_out and input k / n_out.
-                        let (re, im) = &mut planes[(entry % n_in) * n_out + entry / n_in];
-                        re[f * n_position + p] = value.re;
-                        im[f * n_position + p] = value.im;
-                    }
+    tasks.into_par_iter().enumerate().for_each(|(block, mut planes)| {
+        let first = block * BLOCK;
+        let width = BLOCK.min(n_frequency - first);
+        for p in 0..n_position {
+            let rows = &values[(p * n_frequency + first) * entries..][..width * entries];
+            for (f, row) in rows.chunks_exact(entries).enumerate() {
+                for (entry, value) in row.iter().enumerate() {
+                    // Plane k of the output holds output k % n_out and input k / n_out.
+                    let (re, im) = &mut planes[(entry % n_in) * n_out + entry / n_in];
+                    re[f * n_position + p] = value.re;
+                    im[f * n_position + p] = value.im;
                 }
             }
-        });
+        }
+    });
     (re, im)
 }
 
 fn check_axis(path: &Path, what: &str, values: &[f64]) -> Result<(), ExportError> {
-    values
-        .iter()
-        .enumerate()
-        .try_for_each(|(i, v)| finite(path, *v, || format!("{what} {i}")).map(drop))
+    values.iter().enumerate().try_for_each(|(i, v)| finite(path, *v, || format!("{what} {i}")).map(drop))
 }
 
 /// Refuses a map with NaN or infinities, naming the first place.
 fn check_map(path: &Path, map: &ComplianceMap) -> Result<(), ExportError> {
-    let bad = map
-        .values
-        .par_iter()
-        .position_first(|v| !(v.re.is_finite() && v.im.is_finite()));
+    let bad = map.values.par_iter().position_first(|v| !(v.re.is_finite() && v.im.is_finite()));
     let Some(at) = bad else { return Ok(()) };
     let (n_out, n_in) = (map.outputs.len(), map.inputs.len());
     let (pair, place) = (at % (n_out * n_in), at / (n_out * n_in));
@@ -220,11 +168,7 @@ fn check_map(path: &Path, map: &ComplianceMap) -> Result<(), ExportError> {
             map.positions[p],
             map.frequencies[f]
         ),
-        value: if value.re.is_finite() {
-            value.im
-        } else {
-            value.re
-        },
+        value: if value.re.is_finite() { value.im } else { value.re },
     })
 }
 
@@ -238,38 +182,21 @@ fn check_state(path: &Path, s: &StateSpace, n_out: usize, n_in: usize) -> Result
         ("columns of A", s.a.ncols(), order),
         ("rows of B", s.b.nrows(), order),
         ("columns of B", s.b.ncols(), n_in),
-        (
-            "rows of C",
-            rows,
-            rows.max(n_out).next_multiple_of(n_out.max(1)),
-        ),
+        ("rows of C", rows, rows.max(n_out).next_multiple_of(n_out.max(1))),
         ("columns of C", s.c.ncols(), order),
         ("rows of D", s.d.nrows(), rows),
         ("columns of D", s.d.ncols(), n_in),
-        (
-            "the eigenvectors' rows",
-            s.eigenvectors.nrows(),
-            s.eigenvalues.len(),
-        ),
+        ("the eigenvectors' rows", s.eigenvectors.nrows(), s.eigenvalues.len()),
         ("the eigenvectors' columns", s.eigenvectors.ncols(), n_out),
         ("the damping", s.damping.len(), s.eigenvalues.len()),
     ];
     for (what, seen, expected) in extents {
         length(path, &at(what), seen, expected)?;
     }
-    let matrices: [(&str, &DMatrix<f64>); 5] = [
-        ("A", &s.a),
-        ("B", &s.b),
-        ("C", &s.c),
-        ("D", &s.d),
-        ("eigenvectors", &s.eigenvectors),
-    ];
+    let matrices: [(&str, &DMatrix<f64>); 5] =
+        [("A", &s.a), ("B", &s.b), ("C", &s.c), ("D", &s.d), ("eigenvectors", &s.eigenvectors)];
     for (name, m) in matrices {
-        check_axis(
-            path,
-            &at(&format!("{name} (column by column)")),
-            m.as_slice(),
-        )?;
+        check_axis(path, &at(&format!("{name} (column by column)")), m.as_slice())?;
     }
     check_axis(path, &at("eigenvalue"), &s.eigenvalues)?;
     check_axis(path, &at("damping ratio"), &s.damping)

@@ -74,36 +74,24 @@ pub enum Value<'a> {
 impl<'a> Value<'a> {
     /// One number.
     pub fn scalar(value: f64) -> Value<'a> {
-        Value::Real {
-            dims: vec![1, 1],
-            data: Cow::Owned(vec![value]),
-        }
+        Value::Real { dims: vec![1, 1], data: Cow::Owned(vec![value]) }
     }
 
     /// A column of numbers.
     pub fn column(data: &'a [f64]) -> Value<'a> {
-        Value::Real {
-            dims: vec![data.len(), 1],
-            data: Cow::Borrowed(data),
-        }
+        Value::Real { dims: vec![data.len(), 1], data: Cow::Borrowed(data) }
     }
 
     /// A dense matrix.
     pub fn matrix(matrix: &'a nalgebra::DMatrix<f64>) -> Value<'a> {
-        Value::Real {
-            dims: vec![matrix.nrows(), matrix.ncols()],
-            data: Cow::Borrowed(matrix.as_slice()),
-        }
+        Value::Real { dims: vec![matrix.nrows(), matrix.ncols()], data: Cow::Borrowed(matrix.as_slice()) }
     }
 
     /// A column cell array of names.
     pub fn names(names: &'a [String]) -> Value<'a> {
         Value::Cell {
             dims: vec![names.len(), 1],
-            values: names
-                .iter()
-                .map(|n| Value::Text(Cow::Borrowed(n)))
-                .collect(),
+            values: names.iter().map(|n| Value::Text(Cow::Borrowed(n))).collect(),
         }
     }
 }
@@ -121,30 +109,20 @@ pub fn write(path: &Path, variables: &[(&str, Value)]) -> Result<(), ExportError
         let bytes = 8 + body_size(name, value);
         if bytes > LIMIT {
             let variable = (*name).to_owned();
-            return Err(ExportError::TooLarge {
-                path: path.into(),
-                variable,
-                bytes,
-                limit: LIMIT,
-            });
+            return Err(ExportError::TooLarge { path: path.into(), variable, bytes, limit: LIMIT });
         }
     }
     atomic::write_atomic(path, |file| {
         let mut all = || -> io::Result<()> {
             header(file)?;
-            variables
-                .iter()
-                .try_for_each(|(name, value)| matrix(file, name, value))
+            variables.iter().try_for_each(|(name, value)| matrix(file, name, value))
         };
         all().map_err(atomic::io(path, "write"))
     })
 }
 
 fn header(file: &mut impl Write) -> io::Result<()> {
-    let text = concat!(
-        "MATLAB 5.0 MAT-file, written by stiffmap ",
-        env!("CARGO_PKG_VERSION")
-    );
+    let text = concat!("MATLAB 5.0 MAT-file, written by stiffmap ", env!("CARGO_PKG_VERSION"));
     write!(file, "{text:<116}")?;
     file.write_all(&[0; 8])?;
     file.write_all(&0x0100_u16.to_ne_bytes())?;
@@ -162,9 +140,7 @@ const fn element_size(bytes: usize) -> u64 {
 
 fn dims(value: &Value) -> Vec<usize> {
     match value {
-        Value::Real { dims, .. } | Value::Complex { dims, .. } | Value::Cell { dims, .. } => {
-            dims.clone()
-        }
+        Value::Real { dims, .. } | Value::Complex { dims, .. } | Value::Cell { dims, .. } => dims.clone(),
         Value::Text(text) => {
             let units = text.encode_utf16().count();
             vec![usize::from(units > 0), units]
@@ -183,11 +159,7 @@ fn body_size(name: &str, value: &Value) -> u64 {
         Value::Cell { values, .. } => values.iter().map(|v| 8 + body_size("", v)).sum(),
         Value::Structs { fields, values } => {
             8 + element_size(FIELD_NAME_BYTES * fields.len())
-                + values
-                    .iter()
-                    .flatten()
-                    .map(|v| 8 + body_size("", v))
-                    .sum::<u64>()
+                + values.iter().flatten().map(|v| 8 + body_size("", v)).sum::<u64>()
         }
     }
 }
@@ -217,42 +189,22 @@ fn matrix(file: &mut impl Write, name: &str, value: &Value) -> io::Result<()> {
     };
     tag(file, MI_MATRIX, body_size(name, value))?;
     element(file, MI_UINT32, &[class, 0])?;
-    element(
-        file,
-        MI_INT32,
-        &extents.iter().map(|&d| d as i32).collect::<Vec<_>>(),
-    )?;
+    element(file, MI_INT32, &extents.iter().map(|&d| d as i32).collect::<Vec<_>>())?;
     element(file, MI_INT8, name.as_bytes())?;
     match value {
         Value::Real { data, .. } => {
-            assert_eq!(
-                data.len(),
-                count,
-                "numbers in `{name}` against its extents {extents:?}"
-            );
+            assert_eq!(data.len(), count, "numbers in `{name}` against its extents {extents:?}");
             element(file, MI_DOUBLE, data)
         }
         Value::Complex { re, im, .. } => {
-            assert_eq!(
-                re.len(),
-                count,
-                "real parts in `{name}` against its extents {extents:?}"
-            );
-            assert_eq!(
-                im.len(),
-                count,
-                "imaginary parts in `{name}`, extents {extents:?}"
-            );
+            assert_eq!(re.len(), count, "real parts in `{name}` against its extents {extents:?}");
+            assert_eq!(im.len(), count, "imaginary parts in `{name}`, extents {extents:?}");
             element(file, MI_DOUBLE, re)?;
             element(file, MI_DOUBLE, im)
         }
         Value::Text(text) => element(file, MI_UINT16, &text.encode_utf16().collect::<Vec<_>>()),
         Value::Cell { values, .. } => {
-            assert_eq!(
-                values.len(),
-                count,
-                "cells in `{name}` against its extents {extents:?}"
-            );
+            assert_eq!(values.len(), count, "cells in `{name}` against its extents {extents:?}");
             values.iter().try_for_each(|v| matrix(file, "", v))
         }
         Value::Structs { fields, values } => {
@@ -261,10 +213,7 @@ fn matrix(file: &mut impl Write, name: &str, value: &Value) -> io::Result<()> {
             file.write_all(&(FIELD_NAME_BYTES as u32).to_ne_bytes())?;
             let mut names = vec![0_u8; FIELD_NAME_BYTES * fields.len()];
             for (slot, field) in names.chunks_exact_mut(FIELD_NAME_BYTES).zip(fields) {
-                assert!(
-                    field.len() < FIELD_NAME_BYTES,
-                    "field name `{field}` is too long"
-                );
+                assert!(field.len() < FIELD_NAME_BYTES, "field name `{field}` is too long");
                 slot[..field.len()].copy_from_slice(field.as_bytes());
             }
             element(file, MI_INT8, &names)?;

@@ -96,11 +96,7 @@ fn finite(path: &Path, value: f64, what: impl FnOnce() -> String) -> Result<f64,
     if value.is_finite() {
         return Ok(value);
     }
-    Err(ExportError::NotFinite {
-        path: path.into(),
-        what: what(),
-        value,
-    })
+    Err(ExportError::NotFinite { path: path.into(), what: what(), value })
 }
 
 /// Refuses an array whose length is not what the rest of the input asks for.
@@ -108,10 +104,5 @@ fn length(path: &Path, what: &str, seen: usize, expected: usize) -> Result<(), E
     if seen == expected {
         return Ok(());
     }
-    Err(ExportError::Shape {
-        path: path.into(),
-        what: what.into(),
-        seen,
-        expected,
-    })
+    Err(ExportError::Shape { path: path.into(), what: what.into(), seen, expected })
 }

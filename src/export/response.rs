@@ -21,11 +21,7 @@ pub fn direct_responses(map: &ComplianceMap) -> Vec<Response> {
     let mut found = Vec::new();
     for (output, name) in map.outputs.iter().enumerate() {
         if let Some(input) = map.inputs.iter().position(|i| i == name) {
-            found.push(Response {
-                output,
-                input,
-                label: short(name).repeat(2),
-            });
+            found.push(Response { output, input, label: short(name).repeat(2) });
         }
     }
     let labels: Vec<_> = found.iter().map(|r| r.label.clone()).collect();
@@ -67,13 +63,5 @@ fn short(name: &str) -> String {
 }
 
 fn safe(name: &str) -> String {
-    name.chars()
-        .map(|c| {
-            if c.is_alphanumeric() || c == '-' {
-                c
-            } else {
-                '_'
-            }
-        })
-        .collect()
+    name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }

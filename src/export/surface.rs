@@ -14,10 +14,7 @@ use crate::frf::{ComplianceMap, Quantity};
 ///
 /// # Errors
 /// As [`write_surface`].
-pub fn write_direct_surfaces(
-    folder: &Path,
-    map: &ComplianceMap,
-) -> Result<Vec<PathBuf>, ExportError> {
+pub fn write_direct_surfaces(folder: &Path, map: &ComplianceMap) -> Result<Vec<PathBuf>, ExportError> {
     direct_responses(map)
         .iter()
         .map(|response| {
@@ -39,23 +36,11 @@ pub fn write_direct_surfaces(
 ///
 /// # Panics
 /// If the response is not one of the map.
-pub fn write_surface(
-    path: &Path,
-    map: &ComplianceMap,
-    response: &Response,
-) -> Result<(), ExportError> {
+pub fn write_surface(path: &Path, map: &ComplianceMap, response: &Response) -> Result<(), ExportError> {
     let (n_out, n_in) = (map.outputs.len(), map.inputs.len());
     let per_position = map.frequencies.len() * n_out * n_in;
-    length(
-        path,
-        "the map",
-        map.values.len(),
-        map.positions.len() * per_position,
-    )?;
-    assert!(
-        response.output < n_out && response.input < n_in,
-        "{response:?} of {n_out} x {n_in}"
-    );
+    length(path, "the map", map.values.len(), map.positions.len() * per_position)?;
+    assert!(response.output < n_out && response.input < n_in, "{response:?} of {n_out} x {n_in}");
 
     let frequencies: Vec<String> = map.frequencies.iter().map(|f| format!(",{f},")).collect();
     let blocks: Vec<Vec<u8>> = (0..map.positions.len())
@@ -70,9 +55,7 @@ pub fn write_surface(
     atomic::write_atomic(path, |file| {
         let fail = atomic::io(path, "write");
         writeln!(file, "position_m,frequency_hz,{column},phase_deg").map_err(&fail)?;
-        blocks
-            .iter()
-            .try_for_each(|b| file.write_all(b).map_err(&fail))
+        blocks.iter().try_for_each(|b| file.write_all(b).map_err(&fail))
     })
 }
 

@@ -25,62 +25,34 @@ const BOX: [f64; 3] = [1.0, 1.6, 0.6];
 ///
 /// # Panics
 /// If the response is not one of the map.
-pub fn write_surface(
-    path: &Path,
-    map: &ComplianceMap,
-    response: &Response,
-) -> Result<(), ExportError> {
+pub fn write_surface(path: &Path, map: &ComplianceMap, response: &Response) -> Result<(), ExportError> {
     let (n_position, n_frequency) = (map.positions.len(), map.frequencies.len());
     let (n_out, n_in) = (map.outputs.len(), map.inputs.len());
-    length(
-        path,
-        "the map",
-        map.values.len(),
-        n_position * n_frequency * n_out * n_in,
-    )?;
-    assert!(
-        response.output < n_out && response.input < n_in,
-        "{response:?} of {n_out} x {n_in}"
-    );
+    length(path, "the map", map.values.len(), n_position * n_frequency * n_out * n_in)?;
+    assert!(response.output < n_out && response.input < n_in, "{response:?} of {n_out} x {n_in}");
     let mut arrays: [Vec<f64>; 5] = Default::default();
     for (p, &position) in map.positions.iter().enumerate() {
         for (f, &frequency) in map.frequencies.iter().enumerate() {
             let value = map.values[index(map, p, f, response)];
             let magnitude = value.re.hypot(value.im);
             let sum = magnitude + position.abs() + frequency.abs();
-            finite(path, sum, || {
-                format!("the response at {position} m and {frequency} Hz")
-            })?;
+            finite(path, sum, || format!("the response at {position} m and {frequency} Hz"))?;
             let phase = value.im.atan2(value.re).to_degrees();
             let row = [position, frequency, magnitude, phase, magnitude];
             arrays.iter_mut().zip(row).for_each(|(a, v)| a.push(v));
         }
     }
-    let floor = arrays[2]
-        .iter()
-        .copied()
-        .filter(|m| *m > 0.0)
-        .fold(f64::INFINITY, f64::min);
+    let floor = arrays[2].iter().copied().filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
     let floor = if floor.is_finite() { floor } else { 1.0 };
     arrays[4].iter_mut().for_each(|m| *m = m.max(floor).log10());
 
-    let axes = [
-        unit_scale(&arrays[0]),
-        unit_scale(&arrays[1]),
-        unit_scale(&arrays[4]),
-    ];
+    let axes = [unit_scale(&arrays[0]), unit_scale(&arrays[1]), unit_scale(&arrays[4])];
     let points: Vec<f64> = (0..arrays[0].len())
         .flat_map(|i| [arrays[0][i], arrays[1][i], arrays[4][i]])
         .enumerate()
         .map(|(k, v)| (v - axes[k % 3].0) * axes[k % 3].1 * BOX[k % 3])
         .collect();
-    let names = [
-        "position_m",
-        "frequency_hz",
-        "magnitude",
-        "phase_deg",
-        "log10_magnitude",
-    ];
+    let names = ["position_m", "frequency_hz", "magnitude", "phase_deg", "log10_magnitude"];
     let header = header(n_position, n_frequency, unit(map.quantity), &names);
     atomic::write_atomic(path, |file| {
         let mut all = || -> std::io::Result<()> {
@@ -103,23 +75,14 @@ fn unit_scale(values: &[f64]) -> (f64, f64) {
 }
 
 fn header(n_position: usize, n_frequency: usize, unit: &str, names: &[&str]) -> String {
-    let order = if cfg!(target_endian = "little") {
-        "LittleEndian"
-    } else {
-        "BigEndian"
-    };
-    let extent = format!(
-        "0 {} 0 {} 0 0",
-        n_frequency.saturating_sub(1),
-        n_position.saturating_sub(1)
-    );
+    let order = if cfg!(target_endian = "little") { "LittleEndian" } else { "BigEndian" };
+    let extent = format!("0 {} 0 {} 0 0", n_frequency.saturating_sub(1), n_position.saturating_sub(1));
     let numbers = n_position * n_frequency;
     let mut offset = 8 + 24 * numbers;
     let mut arrays = String::new();
     for name in names {
-        arrays += &format!(
-            "        <DataArray type=\"Float64\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>\n"
-        );
+        arrays +=
+            &format!("        <DataArray type=\"Float64\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>\n");
         offset += 8 + 8 * numbers;
     }
     let codes: Vec<String> = unit.bytes().chain([0]).map(|b| b.to_string()).collect();

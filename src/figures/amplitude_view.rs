@@ -34,10 +34,7 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field, height: HeightScale
             HeightScale::Linear => Scale::from_zero(field.max),
             HeightScale::Logarithmic => colours,
         },
-        [
-            (120.0, 100.0),
-            (WIDTH as f64 - room - 90.0, HEIGHT as f64 - 110.0),
-        ],
+        [(120.0, 100.0), (WIDTH as f64 - room - 90.0, HEIGHT as f64 - 110.0)],
     );
 
     let mut large = Canvas::new(2 * WIDTH, 2 * HEIGHT);
@@ -46,12 +43,7 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field, height: HeightScale
     view.edges(&mut large);
     let mut canvas = large.halved();
     view.labels(&mut canvas, &font, axis, &field.label());
-    draw_heading(
-        &mut canvas,
-        &font,
-        &format!("{heading}, amplitude view"),
-        60.0,
-    );
+    draw_heading(&mut canvas, &font, &format!("{heading}, amplitude view"), 60.0);
     let bar = (WIDTH as f64 - room, 150.0, HEIGHT as f64 - 150.0);
     colour_bar(&mut canvas, &font, &colours, &field.label(), bar, cut);
     canvas
@@ -60,34 +52,15 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field, height: HeightScale
 /// The surface from the farthest cell to the nearest, closed to the floor at the front.
 fn surface(canvas: &mut Canvas, view: &View, field: &Field, colours: &Scale) {
     let n = field.positions.len();
-    let f: Vec<f64> = field
-        .frequencies
-        .iter()
-        .map(|v| view.frequency.at(*v))
-        .collect();
-    let p: Vec<f64> = field
-        .positions
-        .iter()
-        .map(|v| view.position.at(*v))
-        .collect();
-    let heights = |i: usize| -> Vec<f64> {
-        field
-            .row(i)
-            .iter()
-            .map(|v| view.height.at(*v).clamp(0.0, 1.0))
-            .collect()
-    };
-    let project = |i: usize, h: &[f64]| -> Vec<Point> {
-        f.iter()
-            .zip(h)
-            .map(|(f, h)| view.fine(*f, p[i], *h))
-            .collect()
-    };
+    let f: Vec<f64> = field.frequencies.iter().map(|v| view.frequency.at(*v)).collect();
+    let p: Vec<f64> = field.positions.iter().map(|v| view.position.at(*v)).collect();
+    let heights = |i: usize| -> Vec<f64> { field.row(i).iter().map(|v| view.height.at(*v).clamp(0.0, 1.0)).collect() };
+    let project =
+        |i: usize, h: &[f64]| -> Vec<Point> { f.iter().zip(h).map(|(f, h)| view.fine(*f, p[i], *h)).collect() };
     let mut far_heights = heights(n - 1);
     let mut far = project(n - 1, &far_heights);
     let every = (n as f64 / LINES as f64).max(1.0);
-    let marked =
-        |i: usize| i == 0 || (i as f64 / every).floor() != ((i - 1) as f64 / every).floor();
+    let marked = |i: usize| i == 0 || (i as f64 / every).floor() != ((i - 1) as f64 / every).floor();
     let line = |canvas: &mut Canvas, points: &[Point]| {
         canvas.polyline(points, FINE * 1.2, [50, 50, 60]);
     };
@@ -97,14 +70,12 @@ fn surface(canvas: &mut Canvas, view: &View, field: &Field, colours: &Scale) {
         let near = project(i, &near_heights);
         let (far_row, near_row) = (field.row(i + 1), field.row(i));
         for k in 0..f.len() - 1 {
-            let slope =
-                (far_heights[k] + far_heights[k + 1] - near_heights[k] - near_heights[k + 1])
-                    / 2.0
-                    / (p[i + 1] - p[i]).max(1e-12);
-            let along =
-                (far_heights[k + 1] + near_heights[k + 1] - far_heights[k] - near_heights[k])
-                    / 2.0
-                    / (f[k + 1] - f[k]).max(1e-12);
+            let slope = (far_heights[k] + far_heights[k + 1] - near_heights[k] - near_heights[k + 1])
+                / 2.0
+                / (p[i + 1] - p[i]).max(1e-12);
+            let along = (far_heights[k + 1] + near_heights[k + 1] - far_heights[k] - near_heights[k])
+                / 2.0
+                / (f[k + 1] - f[k]).max(1e-12);
             let corners = [near[k], near[k + 1], far[k + 1], far[k]];
             let left = (far_row[k] + near_row[k]) / 2.0;
             let right = (far_row[k + 1] + near_row[k + 1]) / 2.0;
@@ -127,22 +98,14 @@ fn surface(canvas: &mut Canvas, view: &View, field: &Field, colours: &Scale) {
     let last = f.len() - 1;
     let side = |h: fn(f64) -> f64| -> Vec<Point> {
         let top = |i: usize| view.height.at(field.row(i)[last]).clamp(0.0, 1.0);
-        (0..n)
-            .map(|i| view.fine(f[last], p[i], h(top(i))))
-            .collect()
+        (0..n).map(|i| view.fine(f[last], p[i], h(top(i)))).collect()
     };
     curtain(canvas, &side(|h| h), &side(|_| 0.0), [208, 212, 218]);
 }
 
 /// Fills a cell whose value goes from `left` to `right` over the frequency, in strips where the
 /// colour changes much.
-fn cell(
-    canvas: &mut Canvas,
-    corners: [Point; 4],
-    (left, right): (f64, f64),
-    colours: &Scale,
-    light: f64,
-) {
+fn cell(canvas: &mut Canvas, corners: [Point; 4], (left, right): (f64, f64), colours: &Scale, light: f64) {
     let change = (colours.at(right).clamp(0.0, 1.0) - colours.at(left).clamp(0.0, 1.0)).abs();
     if change * STRIPS <= 1.0 {
         let value = (left + right) / 2.0;

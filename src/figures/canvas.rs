@@ -25,11 +25,7 @@ pub(super) struct Canvas {
 impl Canvas {
     /// A white picture.
     pub fn new(width: usize, height: usize) -> Canvas {
-        Canvas {
-            width,
-            height,
-            pixels: vec![255; 3 * width * height],
-        }
+        Canvas { width, height, pixels: vec![255; 3 * width * height] }
     }
 
     /// Sets one pixel; places outside are passed over.
@@ -55,16 +51,12 @@ impl Canvas {
     /// A line with round ends.
     pub fn line(&mut self, a: Point, b: Point, width: f64, colour: Colour) {
         let size = (self.width, self.height);
-        cover(size, a, b, width, |x, y, coverage| {
-            self.blend(x, y, colour, coverage)
-        });
+        cover(size, a, b, width, |x, y, coverage| self.blend(x, y, colour, coverage));
     }
 
     /// Lines from point to point.
     pub fn polyline(&mut self, points: &[Point], width: f64, colour: Colour) {
-        points
-            .windows(2)
-            .for_each(|p| self.line(p[0], p[1], width, colour));
+        points.windows(2).for_each(|p| self.line(p[0], p[1], width, colour));
     }
 
     /// A curve through points, its edges even where many short lines meet.
@@ -78,27 +70,16 @@ impl Canvas {
         let ((left, wide), (top, tall)) = (range(|p| p.0, self.width), range(|p| p.1, self.height));
         let mut covered = vec![0.0_f32; wide * tall];
         for pair in points.windows(2) {
-            cover(
-                (self.width, self.height),
-                pair[0],
-                pair[1],
-                width,
-                |x, y, coverage| {
-                    let (i, j) = (x - left, y - top);
-                    if (0..wide as i64).contains(&i) && (0..tall as i64).contains(&j) {
-                        let at = &mut covered[j as usize * wide + i as usize];
-                        *at = at.max(coverage);
-                    }
-                },
-            );
+            cover((self.width, self.height), pair[0], pair[1], width, |x, y, coverage| {
+                let (i, j) = (x - left, y - top);
+                if (0..wide as i64).contains(&i) && (0..tall as i64).contains(&j) {
+                    let at = &mut covered[j as usize * wide + i as usize];
+                    *at = at.max(coverage);
+                }
+            });
         }
         for (k, coverage) in covered.into_iter().enumerate().filter(|(_, c)| *c > 0.0) {
-            self.blend(
-                left + (k % wide) as i64,
-                top + (k / wide) as i64,
-                colour,
-                coverage,
-            );
+            self.blend(left + (k % wide) as i64, top + (k / wide) as i64, colour, coverage);
         }
     }
 
@@ -116,11 +97,7 @@ impl Canvas {
         for row in first..last {
             let y = row as f64 + 0.5;
             let x = p[0].0 + long * (y - p[0].1);
-            let other = if y < p[1].1 {
-                p[0].0 + upper * (y - p[0].1)
-            } else {
-                p[1].0 + lower * (y - p[1].1)
-            };
+            let other = if y < p[1].1 { p[0].0 + upper * (y - p[0].1) } else { p[1].0 + lower * (y - p[1].1) };
             let from = pixel(x.min(other), self.width);
             let to = pixel(x.max(other), self.width);
             let start = 3 * row * self.width;
@@ -171,40 +148,21 @@ impl Canvas {
         encoder
             .write_header()
             .and_then(|mut writer| writer.write_image_data(&self.pixels))
-            .map_err(|e| FigureError::Encode {
-                path: path.into(),
-                reason: e.to_string(),
-            })?;
+            .map_err(|e| FigureError::Encode { path: path.into(), reason: e.to_string() })?;
         Ok(bytes)
     }
 }
 
 /// Visits the pixels that a line with round ends covers, with the coverage.
-fn cover(
-    (wide, tall): (usize, usize),
-    a: Point,
-    b: Point,
-    width: f64,
-    mut visit: impl FnMut(i64, i64, f32),
-) {
+fn cover((wide, tall): (usize, usize), a: Point, b: Point, width: f64, mut visit: impl FnMut(i64, i64, f32)) {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let length2 = (dx * dx + dy * dy).max(1e-12);
     let steep = dy.abs() > dx.abs();
     // Runs along the longer direction; at each step covers the line's width across.
     let (start, end, slope, origin) = if steep {
-        (
-            a.1.min(b.1),
-            a.1.max(b.1),
-            dx / if dy == 0.0 { 1.0 } else { dy },
-            (a.1, a.0),
-        )
+        (a.1.min(b.1), a.1.max(b.1), dx / if dy == 0.0 { 1.0 } else { dy }, (a.1, a.0))
     } else {
-        (
-            a.0.min(b.0),
-            a.0.max(b.0),
-            dy / if dx == 0.0 { 1.0 } else { dx },
-            (a.0, a.1),
-        )
+        (a.0.min(b.0), a.0.max(b.0), dy / if dx == 0.0 { 1.0 } else { dx }, (a.0, a.1))
     };
     let reach = width / 2.0 + 1.0;
     let across = reach * (1.0 + slope * slope).sqrt();

@@ -15,11 +15,7 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field, logarithmic: bool) 
     let over_frequency = field.positions.len() == 1;
     let (along, label, place) = if over_frequency {
         let at = number(field.positions[0]);
-        (
-            &field.frequencies,
-            FREQUENCY_LABEL.to_owned(),
-            format!("{axis} = {at} mm"),
-        )
+        (&field.frequencies, FREQUENCY_LABEL.to_owned(), format!("{axis} = {at} mm"))
     } else {
         let at = number(field.frequencies[0]);
         (&field.positions, position_label(axis), format!("{at} Hz"))

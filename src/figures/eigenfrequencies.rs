@@ -20,16 +20,10 @@ const PITCH: f64 = 31.0;
 const LINE: f64 = 4.0;
 
 /// Draws the families.
-pub(super) fn draw(
-    figure: &str,
-    machine: &str,
-    axis: &str,
-    families: &ModeFamilies,
-) -> Result<Canvas, FigureError> {
+pub(super) fn draw(figure: &str, machine: &str, axis: &str, families: &ModeFamilies) -> Result<Canvas, FigureError> {
     let lines = lines(figure, families)?;
-    let (free, drawn): (Vec<_>, Vec<_>) = lines
-        .into_iter()
-        .partition(|(_, line)| line.iter().all(|p| p.1 < FREE_BELOW_HZ));
+    let (free, drawn): (Vec<_>, Vec<_>) =
+        lines.into_iter().partition(|(_, line)| line.iter().all(|p| p.1 < FREE_BELOW_HZ));
     let font = Typeface::bundled();
     let note_room = if free.is_empty() { 0 } else { NOTE };
     let mut canvas = Canvas::new(WIDTH, TALL + note_room);
@@ -37,32 +31,13 @@ pub(super) fn draw(
     let positions = families.positions.iter().map(|p| 1e3 * p);
     let low = positions.clone().fold(f64::INFINITY, f64::min);
     let high = positions.fold(f64::NEG_INFINITY, f64::max);
-    let top = drawn
-        .iter()
-        .flat_map(|(_, l)| l)
-        .map(|p| p.1)
-        .fold(0.0, f64::max);
-    let bottom = drawn
-        .iter()
-        .flat_map(|(_, l)| l)
-        .map(|p| p.1)
-        .fold(f64::INFINITY, f64::min);
-    let y = if bottom < 0.5 * top {
-        0.0
-    } else {
-        bottom - 0.1 * (top - bottom)
-    };
-    let y = if drawn.is_empty() {
-        Scale::linear(0.0, 1.0)
-    } else {
-        Scale::linear(y, 1.03 * top)
-    };
+    let top = drawn.iter().flat_map(|(_, l)| l).map(|p| p.1).fold(0.0, f64::max);
+    let bottom = drawn.iter().flat_map(|(_, l)| l).map(|p| p.1).fold(f64::INFINITY, f64::min);
+    let y = if bottom < 0.5 * top { 0.0 } else { bottom - 0.1 * (top - bottom) };
+    let y = if drawn.is_empty() { Scale::linear(0.0, 1.0) } else { Scale::linear(y, 1.03 * top) };
 
     let numbers: Vec<String> = drawn.iter().map(|(family, _)| family.to_string()).collect();
-    let widest = numbers
-        .iter()
-        .map(|n| font.width(n, SMALL))
-        .fold(0.0, f64::max);
+    let widest = numbers.iter().map(|n| font.width(n, SMALL)).fold(0.0, f64::max);
     let room = (TALL as f64 - 92.0 - 130.0) / PITCH;
     let columns = ((numbers.len() as f64 / room).ceil() as usize).max(1);
     let beside = 46.0 + columns as f64 * (widest + 14.0) + 30.0;
@@ -73,13 +48,7 @@ pub(super) fn draw(
         draw_line(&mut canvas, &frame, families, line, colour::family(*family));
     }
     let heading = format!("{machine}: eigenfrequencies over position");
-    frame.axes(
-        &mut canvas,
-        &font,
-        &heading,
-        &position_label(axis),
-        FREQUENCY_LABEL,
-    );
+    frame.axes(&mut canvas, &font, &heading, &position_label(axis), FREQUENCY_LABEL);
 
     let mut ends: Vec<(f64, usize, &str)> = drawn
         .iter()
@@ -95,12 +64,7 @@ pub(super) fn draw(
     for (i, ((from, family, number), to)) in ends.iter().zip(&places).enumerate() {
         let colour = colour::family(*family);
         let x = frame.right + 46.0 + (i % columns) as f64 * (widest + 14.0);
-        let leader = [
-            (frame.right + 2.0, *from),
-            (frame.right + 12.0, *from),
-            (x - 14.0, *to),
-            (x - 6.0, *to),
-        ];
+        let leader = [(frame.right + 2.0, *from), (frame.right + 12.0, *from), (x - 14.0, *to), (x - 6.0, *to)];
         canvas.polyline(&leader, THIN, colour);
         font.draw_in(&mut canvas, number, (x, *to), SMALL, Align::Start, colour);
     }
@@ -108,37 +72,23 @@ pub(super) fn draw(
     font.draw(&mut canvas, "Family", above, SMALL, Align::End);
     if !free.is_empty() {
         let names: Vec<String> = free.iter().map(|(family, _)| family.to_string()).collect();
-        let word = if free.len() == 1 {
-            "Family"
-        } else {
-            "Families"
-        };
+        let word = if free.len() == 1 { "Family" } else { "Families" };
         let note = format!("{word} {}: free at 0 Hz, not drawn", names.join(", "));
-        let at = (
-            (frame.left + frame.right) / 2.0,
-            (TALL + NOTE / 2) as f64 - 18.0,
-        );
+        let at = ((frame.left + frame.right) / 2.0, (TALL + NOTE / 2) as f64 - 18.0);
         font.draw(&mut canvas, &note, at, SMALL, Align::Middle);
     }
     Ok(canvas)
 }
 
 /// Positions (mm) and frequencies of each family, by position.
-fn lines(
-    figure: &str,
-    families: &ModeFamilies,
-) -> Result<BTreeMap<usize, Vec<Point>>, FigureError> {
+fn lines(figure: &str, families: &ModeFamilies) -> Result<BTreeMap<usize, Vec<Point>>, FigureError> {
     let n = families.positions.len();
     if n == 0 || families.modes.len() != n {
         return Err(FigureError::Shape {
             figure: figure.to_owned(),
             what: "the modes per position".to_owned(),
             seen: families.modes.len(),
-            expected: if n == 0 {
-                "at least one".to_owned()
-            } else {
-                n.to_string()
-            },
+            expected: if n == 0 { "at least one".to_owned() } else { n.to_string() },
         });
     }
     let mut lines: BTreeMap<usize, Vec<Point>> = BTreeMap::new();
@@ -148,33 +98,18 @@ fn lines(
                 return Err(FigureError::NotFinite {
                     figure: figure.to_owned(),
                     what: format!("the frequency of family {} at {position} m", mode.family),
-                    value: if position.is_finite() {
-                        mode.frequency
-                    } else {
-                        position
-                    },
+                    value: if position.is_finite() { mode.frequency } else { position },
                 });
             }
-            lines
-                .entry(mode.family)
-                .or_default()
-                .push((1e3 * position, mode.frequency));
+            lines.entry(mode.family).or_default().push((1e3 * position, mode.frequency));
         }
     }
-    lines
-        .values_mut()
-        .for_each(|line| line.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    lines.values_mut().for_each(|line| line.sort_by(|a, b| a.0.total_cmp(&b.0)));
     Ok(lines)
 }
 
 /// A family's line, interrupted where it was not found at a position in between.
-fn draw_line(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    families: &ModeFamilies,
-    line: &[Point],
-    colour: Colour,
-) {
+fn draw_line(canvas: &mut Canvas, frame: &Frame, families: &ModeFamilies, line: &[Point], colour: Colour) {
     let mut grid: Vec<f64> = families.positions.iter().map(|p| 1e3 * p).collect();
     grid.sort_by(f64::total_cmp);
     let rank = |x: f64| grid.partition_point(|g| *g < x);
@@ -205,13 +140,8 @@ fn spread(wanted: &[f64], pitch: f64, top: f64, bottom: f64) -> Vec<f64> {
         }
     }
     let last = wanted.len().saturating_sub(1) as f64;
-    let means = pools
-        .iter()
-        .flat_map(|(mean, members)| std::iter::repeat_n(*mean, *members));
-    means
-        .enumerate()
-        .map(|(i, mean)| mean.min(bottom).max(top + last * pitch) - i as f64 * pitch)
-        .collect()
+    let means = pools.iter().flat_map(|(mean, members)| std::iter::repeat_n(*mean, *members));
+    means.enumerate().map(|(i, mean)| mean.min(bottom).max(top + last * pitch) - i as f64 * pitch).collect()
 }
 
 #[cfg(test)]

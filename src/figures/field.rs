@@ -37,26 +37,15 @@ impl Field {
         };
         let (n_position, n_frequency) = (map.positions.len(), map.frequencies.len());
         if n_position == 0 || n_frequency == 0 {
-            let what = if n_position == 0 {
-                "the positions"
-            } else {
-                "the frequencies"
-            };
+            let what = if n_position == 0 { "the positions" } else { "the frequencies" };
             return Err(shape(what, 0, "at least one".into()));
         }
         let count = n_position * n_frequency * map.outputs.len() * map.inputs.len();
         if map.values.len() != count {
             return Err(shape("the map", map.values.len(), count.to_string()));
         }
-        let not_finite = |what: String, value| FigureError::NotFinite {
-            figure: figure.to_owned(),
-            what,
-            value,
-        };
-        for (what, axis) in [
-            ("position", &map.positions),
-            ("frequency", &map.frequencies),
-        ] {
+        let not_finite = |what: String, value| FigureError::NotFinite { figure: figure.to_owned(), what, value };
+        for (what, axis) in [("position", &map.positions), ("frequency", &map.frequencies)] {
             if let Some(i) = axis.iter().position(|v| !v.is_finite()) {
                 return Err(not_finite(format!("{what} {i}"), axis[i]));
             }
@@ -85,19 +74,13 @@ impl Field {
             }
         }
         Ok(Field {
-            positions: by_position
-                .iter()
-                .map(|&p| 1e3 * map.positions[p])
-                .collect(),
+            positions: by_position.iter().map(|&p| 1e3 * map.positions[p]).collect(),
             frequencies: by_frequency.iter().map(|&f| map.frequencies[f]).collect(),
             values,
             title: if map.outputs[r.output] == map.inputs[r.input] {
                 format!("direct {name} at {}", map.outputs[r.output])
             } else {
-                format!(
-                    "{name} from {} to {}",
-                    map.inputs[r.input], map.outputs[r.output]
-                )
+                format!("{name} from {} to {}", map.inputs[r.input], map.outputs[r.output])
             },
             unit,
             max,
@@ -125,15 +108,9 @@ impl Field {
     /// become their largest at their middle, so that peaks stay; the ends keep their places.
     pub fn reduced(&self, positions: usize, frequencies: usize) -> Field {
         let group = |n: usize, limit: usize| n.div_ceil(limit);
-        let (gp, gf) = (
-            group(self.positions.len(), positions),
-            group(self.frequencies.len(), frequencies),
-        );
+        let (gp, gf) = (group(self.positions.len(), positions), group(self.frequencies.len(), frequencies));
         let middles = |axis: &[f64], group: usize| -> Vec<f64> {
-            let mut middles: Vec<f64> = axis
-                .chunks(group)
-                .map(|c| c.iter().sum::<f64>() / c.len() as f64)
-                .collect();
+            let mut middles: Vec<f64> = axis.chunks(group).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
             let last = middles.len() - 1;
             if last > 0 {
                 (middles[0], middles[last]) = (axis[0], axis[axis.len() - 1]);

@@ -45,10 +45,7 @@ impl Frame {
 
     /// Place of a pair of values.
     pub fn place(&self, x: f64, y: f64) -> Point {
-        (
-            self.left + self.x.at(x) * (self.right - self.left),
-            self.bottom - self.y.at(y) * (self.bottom - self.top),
-        )
+        (self.left + self.x.at(x) * (self.right - self.left), self.bottom - self.y.at(y) * (self.bottom - self.top))
     }
 
     /// Thin lines at the labelled ticks, to be drawn before the data.
@@ -70,11 +67,7 @@ impl Frame {
         canvas.polyline(&[(l, t), (r, t), (r, b), (l, b), (l, t)], AXIS, INK);
         for tick in self.x.ticks(TICKS) {
             let at = self.place(tick.value, self.y.low).0;
-            let length = if tick.label.is_some() {
-                TICK
-            } else {
-                TICK / 2.0
-            };
+            let length = if tick.label.is_some() { TICK } else { TICK / 2.0 };
             canvas.line((at, b), (at, b + length), AXIS, INK);
             if let Some(label) = tick.label {
                 font.draw(canvas, &label, (at, b + 38.0), SMALL, Align::Middle);
@@ -82,11 +75,7 @@ impl Frame {
         }
         for tick in self.y.ticks(TICKS) {
             let at = self.place(self.x.low, tick.value).1;
-            let length = if tick.label.is_some() {
-                TICK
-            } else {
-                TICK / 2.0
-            };
+            let length = if tick.label.is_some() { TICK } else { TICK / 2.0 };
             canvas.line((l - length, at), (l, at), AXIS, INK);
             if let Some(label) = tick.label {
                 font.draw(canvas, &label, (l - 18.0, at), SMALL, Align::End);
@@ -102,11 +91,7 @@ pub(super) fn draw_heading(canvas: &mut Canvas, font: &Typeface, heading: &str, 
     let room = WIDTH as f64 - left - 20.0;
     let mut text = heading.to_owned();
     while font.width(&text, TEXT) > room && text.chars().count() > 1 {
-        text = text
-            .chars()
-            .take(text.chars().count() - 2)
-            .chain(['…'])
-            .collect();
+        text = text.chars().take(text.chars().count() - 2).chain(['…']).collect();
     }
     font.draw(canvas, &text, (left, 50.0), TEXT, Align::Start);
 }
@@ -141,11 +126,7 @@ pub(super) fn colour_bar(
     canvas.polyline(&outline, AXIS - 0.5, INK);
     for tick in scale.ticks(6) {
         let y = foot - scale.at(tick.value) * (foot - top);
-        let length = if tick.label.is_some() {
-            TICK
-        } else {
-            TICK / 2.0
-        };
+        let length = if tick.label.is_some() { TICK } else { TICK / 2.0 };
         canvas.line((x + wide, y), (x + wide + length, y), AXIS - 0.5, INK);
         if let Some(label) = tick.label {
             font.draw(canvas, &label, (x + wide + 16.0, y), SMALL, Align::Start);

@@ -29,10 +29,7 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field) -> Canvas {
     let across: Vec<(usize, f64)> = (left..right)
         .map(|x| {
             let t = (x as f64 + 0.5 - frame.left) / (frame.right - frame.left);
-            between(
-                &field.positions,
-                frame.x.low + t * (frame.x.high - frame.x.low),
-            )
+            between(&field.positions, frame.x.low + t * (frame.x.high - frame.x.low))
         })
         .collect();
     let mut paint = |row: usize| {
@@ -43,13 +40,7 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field) -> Canvas {
     };
     (0..bottom - top).for_each(&mut paint);
     let heading = format!("{heading}, frequency view");
-    frame.axes(
-        &mut canvas,
-        &font,
-        &heading,
-        &position_label(axis),
-        FREQUENCY_LABEL,
-    );
+    frame.axes(&mut canvas, &font, &heading, &position_label(axis), FREQUENCY_LABEL);
     let place = (frame.right + 36.0, frame.top, frame.bottom);
     colour_bar(&mut canvas, &font, &scale, &field.label(), place, cut);
     canvas
@@ -67,28 +58,16 @@ fn column(frequencies: &[f64], values: &[f64], n: usize) -> Vec<f64> {
     (0..n)
         .map(|k| {
             let ((i, from), (j, to)) = (at(k), at(k + 1));
-            values[i + 1..=j]
-                .iter()
-                .fold(from.max(to), |a, b| a.max(*b))
+            values[i + 1..=j].iter().fold(from.max(to), |a, b| a.max(*b))
         })
         .collect()
 }
 
 /// The interval of ascending values that holds one, and the place within, 0 to 1.
 fn between(values: &[f64], x: f64) -> (usize, f64) {
-    let i = values
-        .partition_point(|v| *v <= x)
-        .clamp(1, values.len() - 1)
-        - 1;
+    let i = values.partition_point(|v| *v <= x).clamp(1, values.len() - 1) - 1;
     let width = values[i + 1] - values[i];
-    (
-        i,
-        if width > 0.0 {
-            ((x - values[i]) / width).clamp(0.0, 1.0)
-        } else {
-            0.0
-        },
-    )
+    (i, if width > 0.0 { ((x - values[i]) / width).clamp(0.0, 1.0) } else { 0.0 })
 }
 
 #[cfg(test)]

@@ -117,14 +117,8 @@ pub fn draw_all(input: &FigureInput, folder: &Path) -> Result<Vec<PathBuf>, Figu
     let responses = direct_responses(input.map);
     let mut pictures = vec![(Picture::Eigenfrequencies, "eigenfrequencies.png".to_owned())];
     for r in &responses {
-        pictures.push((
-            Picture::Amplitude(r),
-            format!("frf_{}_amplitude.png", r.label),
-        ));
-        pictures.push((
-            Picture::Frequency(r),
-            format!("frf_{}_frequency.png", r.label),
-        ));
+        pictures.push((Picture::Amplitude(r), format!("frf_{}_amplitude.png", r.label)));
+        pictures.push((Picture::Frequency(r), format!("frf_{}_frequency.png", r.label)));
     }
     pictures
         .into_par_iter()
@@ -148,15 +142,13 @@ fn draw(input: &FigureInput, picture: &Picture, name: &str) -> Result<Canvas, Fi
     };
     let field = Field::new(name, input.map, response)?;
     let heading = format!("{}: {}", input.machine, field.title);
-    Ok(
-        if field.positions.len() == 1 || field.frequencies.len() == 1 {
-            curve::draw(&heading, input.axis, &field, !amplitude)
-        } else if amplitude {
-            amplitude_view::draw(&heading, input.axis, &field, input.height)
-        } else {
-            frequency_view::draw(&heading, input.axis, &field)
-        },
-    )
+    Ok(if field.positions.len() == 1 || field.frequencies.len() == 1 {
+        curve::draw(&heading, input.axis, &field, !amplitude)
+    } else if amplitude {
+        amplitude_view::draw(&heading, input.axis, &field, input.height)
+    } else {
+        frequency_view::draw(&heading, input.axis, &field)
+    })
 }
 
 /// Label of the position axis.

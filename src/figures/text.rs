@@ -61,15 +61,7 @@ impl Typeface {
     }
 
     /// As [`Typeface::draw`] in a colour.
-    pub fn draw_in(
-        &self,
-        canvas: &mut Canvas,
-        text: &str,
-        at: Point,
-        size: f64,
-        align: Align,
-        colour: Colour,
-    ) {
+    pub fn draw_in(&self, canvas: &mut Canvas, text: &str, at: Point, size: f64, align: Align, colour: Colour) {
         self.paint(canvas, text, at, size, align, false, colour);
     }
 
@@ -78,10 +70,7 @@ impl Typeface {
         self.paint(canvas, text, at, size, Align::Middle, true, INK);
     }
 
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "what a text is, behind the three short forms"
-    )]
+    #[expect(clippy::too_many_arguments, reason = "what a text is, behind the three short forms")]
     fn paint(
         &self,
         canvas: &mut Canvas,
@@ -101,20 +90,10 @@ impl Typeface {
         };
         // In the text's own frame: x along the line, y down from the middle of the capitals.
         let baseline = (CAPITAL * size / 2.0) as f32;
-        let (fraction_x, fraction_y) = if upwards {
-            (0.0, 0.0)
-        } else {
-            (at.0.fract(), at.1.fract())
-        };
+        let (fraction_x, fraction_y) = if upwards { (0.0, 0.0) } else { (at.0.fract(), at.1.fract()) };
         for (glyph, x) in glyphs {
-            let place = point(
-                x + (start + fraction_x) as f32,
-                baseline + fraction_y as f32,
-            );
-            let Some(outline) = self
-                .0
-                .outline_glyph(glyph.with_scale_and_position(scale, place))
-            else {
+            let place = point(x + (start + fraction_x) as f32, baseline + fraction_y as f32);
+            let Some(outline) = self.0.outline_glyph(glyph.with_scale_and_position(scale, place)) else {
                 continue;
             };
             let corner = outline.px_bounds().min;

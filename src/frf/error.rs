@@ -31,9 +31,7 @@ pub enum FrfError {
         value: f64,
     },
     /// The grid does not ascend.
-    #[error(
-        "frequency {index} of the grid is {value} Hz after {previous} Hz; the grid must ascend strictly"
-    )]
+    #[error("frequency {index} of the grid is {value} Hz after {previous} Hz; the grid must ascend strictly")]
     NotAscending {
         /// Index in the grid.
         index: usize,
@@ -65,9 +63,7 @@ pub enum FrfError {
         allowed: &'static str,
     },
     /// A residual coefficient is NaN or infinite.
-    #[error(
-        "residual coefficient {degree} at position {position} holds a value that is not finite"
-    )]
+    #[error("residual coefficient {degree} at position {position} holds a value that is not finite")]
     BadResidual {
         /// Index of the position.
         position: usize,

@@ -57,13 +57,9 @@ impl FrequencyGrid {
         let frequencies = match self {
             FrequencyGrid::Uniform { from, to, step } => uniform(*from, *to, *step)?,
             FrequencyGrid::Logarithmic { from, to, count } => logarithmic(*from, *to, *count)?,
-            FrequencyGrid::Clustered {
-                from,
-                to,
-                modes,
-                points,
-                background,
-            } => clustered(*from, *to, modes, *points, *background)?,
+            FrequencyGrid::Clustered { from, to, modes, points, background } => {
+                clustered(*from, *to, modes, *points, *background)?
+            }
             FrequencyGrid::Listed(frequencies) => frequencies.clone(),
         };
         check_grid(&frequencies)?;
@@ -71,67 +67,22 @@ impl FrequencyGrid {
     }
 }
 
-fn require(
-    holds: bool,
-    what: &'static str,
-    value: f64,
-    allowed: &'static str,
-) -> Result<(), FrfError> {
-    if holds {
-        Ok(())
-    } else {
-        Err(FrfError::BadGrid {
-            what,
-            value,
-            allowed,
-        })
-    }
+fn require(holds: bool, what: &'static str, value: f64, allowed: &'static str) -> Result<(), FrfError> {
+    if holds { Ok(()) } else { Err(FrfError::BadGrid { what, value, allowed }) }
 }
 
 fn uniform(from: f64, to: f64, step: f64) -> Result<Vec<f64>, FrfError> {
-    require(
-        step > 0.0 && step.is_finite(),
-        "the step in Hz",
-        step,
-        "above 0",
-    )?;
-    require(
-        to >= from && to.is_finite(),
-        "the last frequency in Hz",
-        to,
-        "finite, not below the first",
-    )?;
+    require(step > 0.0 && step.is_finite(), "the step in Hz", step, "above 0")?;
+    require(to >= from && to.is_finite(), "the last frequency in Hz", to, "finite, not below the first")?;
     let intervals = (to - from) / step * (1.0 + 1e-12);
-    require(
-        intervals < LARGEST,
-        "the number of frequencies",
-        intervals,
-        "below 1e9",
-    )?;
-    Ok((0..=intervals as usize)
-        .map(|i| (from + step * i as f64).min(to))
-        .collect())
+    require(intervals < LARGEST, "the number of frequencies", intervals, "below 1e9")?;
+    Ok((0..=intervals as usize).map(|i| (from + step * i as f64).min(to)).collect())
 }
 
 fn logarithmic(from: f64, to: f64, count: usize) -> Result<Vec<f64>, FrfError> {
-    require(
-        from > 0.0,
-        "the first frequency in Hz",
-        from,
-        "above 0 in a logarithmic grid",
-    )?;
-    require(
-        to > from && to.is_finite(),
-        "the last frequency in Hz",
-        to,
-        "finite, above the first",
-    )?;
-    require(
-        count >= 2 && (count as f64) < LARGEST,
-        "the number of frequencies",
-        count as f64,
-        "2 to 1e9",
-    )?;
+    require(from > 0.0, "the first frequency in Hz", from, "above 0 in a logarithmic grid")?;
+    require(to > from && to.is_finite(), "the last frequency in Hz", to, "finite, above the first")?;
+    require(count >= 2 && (count as f64) < LARGEST, "the number of frequencies", count as f64, "2 to 1e9")?;
     let ratio = (to / from).ln();
     let last = count - 1;
     Ok((0..count)
@@ -143,42 +94,14 @@ fn logarithmic(from: f64, to: f64, count: usize) -> Result<Vec<f64>, FrfError> {
         .collect())
 }
 
-fn clustered(
-    from: f64,
-    to: f64,
-    modes: &[(f64, f64)],
-    points: usize,
-    background: usize,
-) -> Result<Vec<f64>, FrfError> {
-    require(
-        to > from && to.is_finite(),
-        "the last frequency in Hz",
-        to,
-        "finite, above the first",
-    )?;
-    require(
-        background >= 2,
-        "the number of background frequencies",
-        background as f64,
-        "at least 2",
-    )?;
-    require(
-        points >= 1,
-        "the number of frequencies a mode",
-        points as f64,
-        "at least 1",
-    )?;
+fn clustered(from: f64, to: f64, modes: &[(f64, f64)], points: usize, background: usize) -> Result<Vec<f64>, FrfError> {
+    require(to > from && to.is_finite(), "the last frequency in Hz", to, "finite, above the first")?;
+    require(background >= 2, "the number of background frequencies", background as f64, "at least 2")?;
+    require(points >= 1, "the number of frequencies a mode", points as f64, "at least 1")?;
     let total = background as f64 + points as f64 * modes.len() as f64;
-    require(
-        total < LARGEST,
-        "the number of frequencies",
-        total,
-        "below 1e9",
-    )?;
+    require(total < LARGEST, "the number of frequencies", total, "below 1e9")?;
     let step = (to - from) / (background - 1) as f64;
-    let mut frequencies: Vec<f64> = (0..background)
-        .map(|i| (from + step * i as f64).min(to))
-        .collect();
+    let mut frequencies: Vec<f64> = (0..background).map(|i| (from + step * i as f64).min(to)).collect();
     for &(frequency, damping) in modes {
         require(
             frequency.is_finite() && frequency >= 0.0,
@@ -186,12 +109,7 @@ fn clustered(
             frequency,
             "finite, not below 0",
         )?;
-        require(
-            damping.is_finite() && damping >= 0.0,
-            "a mode's damping ratio",
-            damping,
-            "finite, not below 0",
-        )?;
+        require(damping.is_finite() && damping >= 0.0, "a mode's damping ratio", damping, "finite, not below 0")?;
         frequencies.extend((1..=points).map(|k| {
             let theta = PI * (k as f64 / (points + 1) as f64 - 0.5);
             frequency * (1.0 + damping * theta.tan())

@@ -40,11 +40,7 @@ impl WithSimd for LayOut<'_> {
         for (start, vector) in laid_out.chunks_exact_mut(lanes).enumerate() {
             for k in 0..lanes {
                 let lane = shuffled[2 * k] as usize;
-                assert_eq!(
-                    shuffled[2 * k + 1] as usize,
-                    lane + lanes,
-                    "the shuffle pairs equal lanes"
-                );
+                assert_eq!(shuffled[2 * k + 1] as usize, lane + lanes, "the shuffle pairs equal lanes");
                 vector[lane] = *self.frequencies.get(start * lanes + k).unwrap_or(&last);
             }
         }
@@ -83,11 +79,7 @@ impl WithSimd for Block<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         // 24 accumulators need the 32 registers that come with eight lanes.
-        if S::F64_LANES == 8 {
-            self.groups::<S, 2>(simd)
-        } else {
-            self.groups::<S, 1>(simd)
-        }
+        if S::F64_LANES == 8 { self.groups::<S, 2>(simd) } else { self.groups::<S, 1>(simd) }
     }
 }
 
@@ -96,15 +88,8 @@ type Weight<S, const W: usize> = ([<S as Simd>::f64s; W], [<S as Simd>::f64s; W]
 impl Block<'_> {
     #[inline(always)]
     fn groups<S: Simd, const W: usize>(self, simd: S) {
-        let Block {
-            model,
-            frequencies,
-            stream,
-            values,
-        } = self;
-        let Model {
-            system, packing, ..
-        } = model;
+        let Block { model, frequencies, stream, values } = self;
+        let Model { system, packing, .. } = model;
         let (n_pairs, n_values) = (packing.pairs.len(), packing.pair_of_value.len());
         let zero = simd.splat_f64s(0.0);
         let mut weights: Vec<Weight<S, W>> = vec![([zero; W], [zero; W]); system.modes.len()];
@@ -112,10 +97,7 @@ impl Block<'_> {
         let mut sums: Vec<[S::f64s; 2]> = vec![[zero; 2]; W * n_pairs];
         let group = W * S::F64_LANES;
         let vectors = S::as_simd_f64s(frequencies).0;
-        for (f, values) in vectors
-            .chunks_exact(W)
-            .zip(values.chunks_mut(group * n_values))
-        {
+        for (f, values) in vectors.chunks_exact(W).zip(values.chunks_mut(group * n_values)) {
             let f: [S::f64s; W] = std::array::from_fn(|w| f[w]);
             fill_weights::<S, W>(simd, &system.modes, f, &mut weights);
             let mut first = 0;
@@ -130,9 +112,8 @@ impl Block<'_> {
                 };
             }
             let sums: &[Complex<f64>] = bytemuck::cast_slice(&sums);
-            for (sums, values) in sums
-                .chunks_exact(n_pairs * S::F64_LANES)
-                .zip(values.chunks_mut(S::F64_LANES * n_values))
+            for (sums, values) in
+                sums.chunks_exact(n_pairs * S::F64_LANES).zip(values.chunks_mut(S::F64_LANES * n_values))
             {
                 scatter(sums, &packing.pair_of_value, S::F64_LANES, stream, values);
             }
@@ -168,10 +149,7 @@ impl Model<'_> {
                 }
             }
         }
-        for ((g, h), residues) in weights
-            .iter()
-            .zip(self.system.residues.chunks_exact(n_pairs))
-        {
+        for ((g, h), residues) in weights.iter().zip(self.system.residues.chunks_exact(n_pairs)) {
             let residues = &residues[first..first + N];
             for n in 0..N {
                 let a = simd.splat_f64s(residues[n]);
@@ -187,10 +165,7 @@ impl Model<'_> {
                 let (x, y) = (re[w][n], im[w][n]);
                 let (x, y) = match self.quantity {
                     Quantity::Receptance => (x, y),
-                    Quantity::Mobility => (
-                        simd.neg_f64s(simd.mul_f64s(omega, y)),
-                        simd.mul_f64s(omega, x),
-                    ),
+                    Quantity::Mobility => (simd.neg_f64s(simd.mul_f64s(omega, y)), simd.mul_f64s(omega, x)),
                     Quantity::Accelerance => {
                         let factor = simd.neg_f64s(simd.mul_f64s(omega, omega));
                         (simd.mul_f64s(factor, x), simd.mul_f64s(factor, y))
@@ -254,11 +229,7 @@ fn fill_weights<S: Simd, const W: usize>(
 fn denominator<S: Simd>(simd: S, mode: &Denominator, f: S::f64s) -> (S::f64s, S::f64s, S::f64s) {
     let f_r = simd.splat_f64s(mode.frequency);
     let u = simd.mul_f64s(simd.sub_f64s(f_r, f), simd.add_f64s(f_r, f));
-    let v = simd.mul_add_f64s(
-        simd.splat_f64s(-mode.viscous),
-        f,
-        simd.splat_f64s(-mode.loss),
-    );
+    let v = simd.mul_add_f64s(simd.splat_f64s(-mode.viscous), f, simd.splat_f64s(-mode.loss));
     (u, v, simd.mul_add_f64s(u, u, simd.mul_f64s(v, v)))
 }
 
@@ -292,32 +263,17 @@ mod tests {
         };
         let packing = Packing::new(&request);
         let packed = PackedSystem::new(&systems[0], &packing);
-        let model = Model {
-            system: &packed,
-            packing: &packing,
-            quantity: request.quantity,
-        };
-        let laid_out = simd.vectorize(LayOut {
-            frequencies: &frequencies,
-        });
+        let model = Model { system: &packed, packing: &packing, quantity: request.quantity };
+        let laid_out = simd.vectorize(LayOut { frequencies: &frequencies });
         let mut values = vec![Complex::default(); 37 * n_ports * n_ports];
-        simd.vectorize(Block {
-            model,
-            frequencies: &laid_out,
-            stream,
-            values: &mut values,
-        });
+        simd.vectorize(Block { model, frequencies: &laid_out, stream, values: &mut values });
         values
     }
 
     /// Largest difference relative to the largest value.
     fn difference(a: &[Complex<f64>], b: &[Complex<f64>]) -> f64 {
         let largest = b.iter().map(|x| x.norm()).fold(0.0, f64::max);
-        a.iter()
-            .zip(b)
-            .map(|(a, b)| (a - b).norm())
-            .fold(0.0, f64::max)
-            / largest
+        a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / largest
     }
 
     #[test]
@@ -336,10 +292,7 @@ mod tests {
             }
             let mut shifted = scalar.clone();
             shifted.rotate_left(1);
-            assert!(
-                difference(&shifted, &scalar) > 1e-14,
-                "the comparison notices another order"
-            );
+            assert!(difference(&shifted, &scalar) > 1e-14, "the comparison notices another order");
         }
     }
 }

@@ -37,26 +37,16 @@ impl ComplianceMap {
 
     /// Index in `values` of one entry.
     pub fn index(&self, position: usize, frequency: usize, output: usize, input: usize) -> usize {
-        ((position * self.frequencies.len() + frequency) * self.outputs.len() + output)
-            * self.inputs.len()
-            + input
+        ((position * self.frequencies.len() + frequency) * self.outputs.len() + output) * self.inputs.len() + input
     }
 
     /// One entry.
-    pub fn at(
-        &self,
-        position: usize,
-        frequency: usize,
-        output: usize,
-        input: usize,
-    ) -> Complex<f64> {
+    pub fn at(&self, position: usize, frequency: usize, output: usize, input: usize) -> Complex<f64> {
         self.values[self.index(position, frequency, output, input)]
     }
 
     /// The n_output x n_input matrix at one (position, frequency) pair.
     pub fn matrix(&self, position: usize, frequency: usize) -> DMatrix<Complex<f64>> {
-        DMatrix::from_fn(self.outputs.len(), self.inputs.len(), |i, j| {
-            self.at(position, frequency, i, j)
-        })
+        DMatrix::from_fn(self.outputs.len(), self.inputs.len(), |i, j| self.at(position, frequency, i, j))
     }
 }

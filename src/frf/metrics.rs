@@ -58,9 +58,7 @@ pub struct GridExtrema {
 
 /// The direct pairs (output i, input i) of a request.
 pub fn direct_pairs(request: &FrfRequest) -> Vec<(usize, usize)> {
-    (0..request.outputs.len().min(request.inputs.len()))
-        .map(|i| (i, i))
-        .collect()
+    (0..request.outputs.len().min(request.inputs.len())).map(|i| (i, i)).collect()
 }
 
 /// Metrics of a computed map, `[position][pair]`, refined from the modes of its request.
@@ -96,10 +94,7 @@ pub fn grid_extrema(map: &ComplianceMap, pairs: &[(usize, usize)]) -> Vec<Vec<Gr
                             real = (k, h.re);
                         }
                     }
-                    GridExtrema {
-                        peak: peak.0,
-                        most_negative_real: real.0,
-                    }
+                    GridExtrema { peak: peak.0, most_negative_real: real.0 }
                 })
                 .collect()
         })
@@ -121,20 +116,12 @@ pub fn refine(
     grid: &[Vec<GridExtrema>],
 ) -> Result<Vec<Vec<PairMetrics>>, FrfError> {
     request.check()?;
-    assert_eq!(
-        grid.len(),
-        request.positions.len(),
-        "one list of grid extrema a position"
-    );
+    assert_eq!(grid.len(), request.positions.len(), "one list of grid extrema a position");
     let packing = Packing::new(request);
     grid.par_iter()
         .enumerate()
         .map(|(position, grid)| {
-            assert_eq!(
-                grid.len(),
-                pairs.len(),
-                "one grid extremum a pair at position {position}"
-            );
+            assert_eq!(grid.len(), pairs.len(), "one grid extremum a pair at position {position}");
             let system = PackedSystem::new(&request.systems[position], &packing);
             Search::new(request, &packing, &system, position)?.pairs(pairs, grid)
         })
@@ -187,25 +174,15 @@ impl<'a> Search<'a> {
         system: &'a PackedSystem,
         position: usize,
     ) -> Result<Self, FrfError> {
-        let (first, last) = (
-            request.frequencies[0],
-            request.frequencies[request.frequencies.len() - 1],
-        );
+        let (first, last) = (request.frequencies[0], request.frequencies[request.frequencies.len() - 1]);
         let mut starts = Vec::new();
         for (mode, denominator) in system.modes.iter().enumerate() {
             let f_r = denominator.frequency;
-            let half_band =
-                0.5 * (denominator.viscous + denominator.loss / f_r.max(f64::MIN_POSITIVE));
+            let half_band = 0.5 * (denominator.viscous + denominator.loss / f_r.max(f64::MIN_POSITIVE));
             let inside = (first..=last).contains(&f_r);
-            let felt = system.residues[mode * packing.pairs.len()..][..packing.pairs.len()]
-                .iter()
-                .any(|a| *a != 0.0);
+            let felt = system.residues[mode * packing.pairs.len()..][..packing.pairs.len()].iter().any(|a| *a != 0.0);
             if inside && felt && half_band == 0.0 {
-                return Err(FrfError::Singular {
-                    position,
-                    mode,
-                    frequency: f_r,
-                });
+                return Err(FrfError::Singular { position, mode, frequency: f_r });
             }
             for f in closed_form(denominator, request.quantity) {
                 if felt && half_band > 0.0 && (first..=last).contains(&f) {
@@ -213,36 +190,16 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        Ok(Search {
-            request,
-            packing,
-            system,
-            starts,
-        })
+        Ok(Search { request, packing, system, starts })
     }
 
-    fn pairs(
-        &self,
-        pairs: &[(usize, usize)],
-        grid: &[GridExtrema],
-    ) -> Result<Vec<PairMetrics>, FrfError> {
+    fn pairs(&self, pairs: &[(usize, usize)], grid: &[GridExtrema]) -> Result<Vec<PairMetrics>, FrfError> {
         let found = pairs.iter().zip(grid).map(|(&(output, input), grid)| {
             let pair = self.packing.pair_of_value[output * self.request.inputs.len() + input];
             let (f, value) = self.best(pair, Goal::Magnitude, grid.peak);
-            let peak = Extremum {
-                frequency: f,
-                value: value.norm(),
-            };
+            let peak = Extremum { frequency: f, value: value.norm() };
             let (f, value) = self.best(pair, Goal::NegativeReal, grid.most_negative_real);
-            PairMetrics {
-                output,
-                input,
-                peak,
-                most_negative_real: Extremum {
-                    frequency: f,
-                    value: value.re,
-                },
-            }
+            PairMetrics { output, input, peak, most_negative_real: Extremum { frequency: f, value: value.re } }
         });
         Ok(found.collect())
     }
@@ -252,28 +209,14 @@ impl<'a> Search<'a> {
         let frequencies = self.request.frequencies;
         let (first, last) = (frequencies[0], frequencies[frequencies.len() - 1]);
         let on_grid = self.respond(&Weights::new(self.system, frequencies[grid]), pair);
-        let screened: Vec<f64> = self
-            .starts
-            .iter()
-            .map(|(_, _, weights)| goal.of(&self.respond(weights, pair))[0])
-            .collect();
-        let top = screened
-            .iter()
-            .copied()
-            .fold(goal.of(&on_grid)[0], f64::max);
+        let screened: Vec<f64> =
+            self.starts.iter().map(|(_, _, weights)| goal.of(&self.respond(weights, pair))[0]).collect();
+        let top = screened.iter().copied().fold(goal.of(&on_grid)[0], f64::max);
         let bar = top - (1.0 - WORTHWHILE) * top.abs();
-        let around = (
-            frequencies[grid.saturating_sub(1)],
-            frequencies[(grid + 1).min(frequencies.len() - 1)],
-        );
+        let around = (frequencies[grid.saturating_sub(1)], frequencies[(grid + 1).min(frequencies.len() - 1)]);
         let mut best = (frequencies[grid], on_grid.value, goal.of(&on_grid)[0]);
-        let modal = self
-            .starts
-            .iter()
-            .zip(&screened)
-            .filter(|(_, value)| **value >= bar);
-        let brackets =
-            modal.map(|((f, width, _), _)| (*f, (f - width).max(first), (f + width).min(last)));
+        let modal = self.starts.iter().zip(&screened).filter(|(_, value)| **value >= bar);
+        let brackets = modal.map(|((f, width, _), _)| (*f, (f - width).max(first), (f + width).min(last)));
         for (start, low, high) in brackets.chain([(frequencies[grid], around.0, around.1)]) {
             let candidate = self.climb(pair, goal, start, low, high);
             if candidate.2 > best.2 {
@@ -284,24 +227,12 @@ impl<'a> Search<'a> {
     }
 
     fn respond(&self, weights: &Weights, pair: usize) -> Response {
-        weights.response(
-            self.system,
-            self.packing.pairs.len(),
-            pair,
-            self.request.quantity,
-        )
+        weights.response(self.system, self.packing.pairs.len(), pair, self.request.quantity)
     }
 
     /// Newton steps on the goal's slope, bisection where a step leaves the bracket or the goal is not concave; the best
     /// point seen.
-    fn climb(
-        &self,
-        pair: usize,
-        goal: Goal,
-        start: f64,
-        mut low: f64,
-        mut high: f64,
-    ) -> (f64, Complex<f64>, f64) {
+    fn climb(&self, pair: usize, goal: Goal, start: f64, mut low: f64, mut high: f64) -> (f64, Complex<f64>, f64) {
         let mut f = start;
         let mut best = (f, Complex::default(), f64::NEG_INFINITY);
         for _ in 0..60 {
@@ -316,11 +247,7 @@ impl<'a> Search<'a> {
                 high = f;
             }
             let newton = f - slope / curvature;
-            let next = if curvature < 0.0 && newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
+            let next = if curvature < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
             if (next - f).abs() <= 1e-13 * f || high <= low {
                 break;
             }

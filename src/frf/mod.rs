@@ -26,5 +26,5 @@ pub(crate) use modal_sum::zeros;
 pub use modal_sum::{modal_sum, modal_sum_into, modal_sum_tiles};
 pub use packing::{Denominator, PackedSystem, Packing};
 pub use request::{FrfRequest, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, ModalSystem, Quantity};
-pub use truncation::{Selection, Truncation, modal_systems};
 pub use tiles::{Sink, SinkError, Tile, TileLimits, TileRange, tiles};
+pub use truncation::{Selection, Truncation, modal_systems};

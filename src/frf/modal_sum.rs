@@ -65,34 +65,19 @@ pub fn modal_sum_into(request: &FrfRequest, values: &mut [Complex<f64>]) -> Resu
 ///
 /// # Errors
 /// As [`FrfRequest::check`], and [`FrfError::Sink`] with the receiver's error, after which no more tiles come.
-pub fn modal_sum_tiles(
-    request: &FrfRequest,
-    first_pair: usize,
-    sink: &mut Sink,
-) -> Result<(), FrfError> {
+pub fn modal_sum_tiles(request: &FrfRequest, first_pair: usize, sink: &mut Sink) -> Result<(), FrfError> {
     request.check()?;
     let packing = Packing::new(request);
     let n_values = request.values_per_pair();
-    let limits = TileLimits {
-        pairs: (TILE_VALUES / n_values).max(1),
-        positions: usize::MAX,
-        frequencies: usize::MAX,
-    };
-    let ranges = tiles(
-        request.positions.len(),
-        request.frequencies.len(),
-        first_pair,
-        limits,
-    );
+    let limits = TileLimits { pairs: (TILE_VALUES / n_values).max(1), positions: usize::MAX, frequencies: usize::MAX };
+    let ranges = tiles(request.positions.len(), request.frequencies.len(), first_pair, limits);
     let mut ready: Option<(TileRange, Vec<Complex<f64>>)> = None;
     let mut spare = Vec::new();
     for range in ranges {
         let mut values = std::mem::take(&mut spare);
         values.resize(range.pairs() * n_values, Complex::new(0.0, 0.0));
-        let ((), delivered) = rayon::join(
-            || fill_range(request, &packing, &range, &mut values),
-            || deliver(ready.take(), sink),
-        );
+        let ((), delivered) =
+            rayon::join(|| fill_range(request, &packing, &range, &mut values), || deliver(ready.take(), sink));
         spare = delivered?;
         ready = Some((range, values));
     }
@@ -100,64 +85,33 @@ pub fn modal_sum_tiles(
 }
 
 /// Hands a tile to the receiver and returns its memory for the next.
-fn deliver(
-    ready: Option<(TileRange, Vec<Complex<f64>>)>,
-    sink: &mut Sink,
-) -> Result<Vec<Complex<f64>>, FrfError> {
+fn deliver(ready: Option<(TileRange, Vec<Complex<f64>>)>, sink: &mut Sink) -> Result<Vec<Complex<f64>>, FrfError> {
     let Some((range, values)) = ready else {
         return Ok(Vec::new());
     };
     let position = range.positions.start;
-    sink(Tile {
-        range,
-        values: &values,
-    })
-    .map_err(|source| FrfError::Sink { position, source })?;
+    sink(Tile { range, values: &values }).map_err(|source| FrfError::Sink { position, source })?;
     Ok(values)
 }
 
 fn fill(request: &FrfRequest, values: &mut [Complex<f64>]) {
     let packing = Packing::new(request);
-    let range = TileRange {
-        positions: 0..request.positions.len(),
-        frequencies: 0..request.frequencies.len(),
-    };
+    let range = TileRange { positions: 0..request.positions.len(), frequencies: 0..request.frequencies.len() };
     fill_range(request, &packing, &range, values);
 }
 
-fn fill_range(
-    request: &FrfRequest,
-    packing: &Packing,
-    range: &TileRange,
-    values: &mut [Complex<f64>],
-) {
+fn fill_range(request: &FrfRequest, packing: &Packing, range: &TileRange, values: &mut [Complex<f64>]) {
     let n_values = request.values_per_pair();
     let frequencies = lay_out(&request.frequencies[range.frequencies.clone()]);
     let systems = &request.systems[range.positions.clone()];
     let stream = values.len() >= LARGE;
-    values
-        .par_chunks_mut(range.frequencies.len() * n_values)
-        .zip(systems)
-        .for_each(|(values, system)| {
-            let system = PackedSystem::new(system, packing);
-            let model = Model {
-                system: &system,
-                packing,
-                quantity: request.quantity,
-            };
-            values
-                .par_chunks_mut(BLOCK * n_values)
-                .zip(frequencies.par_chunks(BLOCK))
-                .for_each(|(values, frequencies)| {
-                    Block {
-                        model,
-                        frequencies,
-                        stream,
-                        values,
-                    }
-                    .sum();
-                });
+    values.par_chunks_mut(range.frequencies.len() * n_values).zip(systems).for_each(|(values, system)| {
+        let system = PackedSystem::new(system, packing);
+        let model = Model { system: &system, packing, quantity: request.quantity };
+        values.par_chunks_mut(BLOCK * n_values).zip(frequencies.par_chunks(BLOCK)).for_each(|(values, frequencies)| {
+            Block { model, frequencies, stream, values }.sum();
         });
+    });
 }
 
 /// Zeros straight from the system, whose pages the threads then touch first.

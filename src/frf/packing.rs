@@ -34,11 +34,7 @@ impl Packing {
                 pairs.push((i, j));
             }
         }
-        Packing {
-            pairs,
-            pair_of_value,
-            symmetric,
-        }
+        Packing { pairs, pair_of_value, symmetric }
     }
 }
 
@@ -79,11 +75,7 @@ impl PackedSystem {
             .map(|r| {
                 let f = system.frequencies[r];
                 let viscous = 2.0 * system.damping_ratios[r] * f;
-                Denominator {
-                    frequency: f,
-                    viscous,
-                    loss: system.loss_factors[r] * f * f,
-                }
+                Denominator { frequency: f, viscous, loss: system.loss_factors[r] * f * f }
             })
             .collect();
         let residues = (0..system.frequencies.len())
@@ -94,19 +86,11 @@ impl PackedSystem {
         let mut residual = Vec::with_capacity(system.residual.len() * packing.pairs.len());
         for c in &system.residual {
             residual.extend(packing.pairs.iter().map(|&(i, j)| {
-                let value = if packing.symmetric {
-                    (c[(i, j)] + c[(j, i)]) * 0.5
-                } else {
-                    c[(i, j)]
-                };
+                let value = if packing.symmetric { (c[(i, j)] + c[(j, i)]) * 0.5 } else { c[(i, j)] };
                 value * power
             }));
             power *= Complex::new(0.0, TAU);
         }
-        PackedSystem {
-            modes,
-            residues,
-            residual,
-        }
+        PackedSystem { modes, residues, residual }
     }
 }

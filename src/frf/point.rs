@@ -40,13 +40,7 @@ impl Weights {
     }
 
     /// The response of one packed pair.
-    pub fn response(
-        &self,
-        system: &PackedSystem,
-        n_pairs: usize,
-        pair: usize,
-        quantity: Quantity,
-    ) -> Response {
+    pub fn response(&self, system: &PackedSystem, n_pairs: usize, pair: usize, quantity: Quantity) -> Response {
         let f = self.frequency;
         let mut h = Response::default();
         for (r, w) in self.modes.iter().enumerate() {

@@ -92,11 +92,7 @@ impl FrfRequest<'_> {
 
     /// The largest number of modes at a position.
     pub fn max_modes(&self) -> usize {
-        self.systems
-            .iter()
-            .map(|s| s.frequencies.len())
-            .max()
-            .unwrap_or(0)
+        self.systems.iter().map(|s| s.frequencies.len()).max().unwrap_or(0)
     }
 
     /// Checks everything that the sums take for granted.
@@ -117,16 +113,9 @@ impl FrfRequest<'_> {
         if let Some(&(what, _)) = lengths.iter().find(|(_, length)| *length == 0) {
             return Err(FrfError::Empty { what });
         }
-        assert_eq!(
-            self.systems.len(),
-            self.positions.len(),
-            "one modal system a position"
-        );
+        assert_eq!(self.systems.len(), self.positions.len(), "one modal system a position");
         if let Some(index) = self.positions.iter().position(|p| !p.is_finite()) {
-            return Err(FrfError::BadPosition {
-                index,
-                value: self.positions[index],
-            });
+            return Err(FrfError::BadPosition { index, value: self.positions[index] });
         }
         check_grid(self.frequencies)?;
         for (position, system) in self.systems.iter().enumerate() {
@@ -137,50 +126,20 @@ impl FrfRequest<'_> {
 
     fn check_system(&self, position: usize, system: &ModalSystem) -> Result<(), FrfError> {
         let n = system.frequencies.len();
-        assert_eq!(
-            system.damping_ratios.len(),
-            n,
-            "one damping ratio a mode at position {position}"
-        );
-        assert_eq!(
-            system.loss_factors.len(),
-            n,
-            "one loss factor a mode at position {position}"
-        );
-        assert_eq!(
-            system.outputs.shape(),
-            (self.outputs.len(), n),
-            "shape of outputs at position {position}"
-        );
-        assert_eq!(
-            system.inputs.shape(),
-            (self.inputs.len(), n),
-            "shape of inputs at position {position}"
-        );
+        assert_eq!(system.damping_ratios.len(), n, "one damping ratio a mode at position {position}");
+        assert_eq!(system.loss_factors.len(), n, "one loss factor a mode at position {position}");
+        assert_eq!(system.outputs.shape(), (self.outputs.len(), n), "shape of outputs at position {position}");
+        assert_eq!(system.inputs.shape(), (self.inputs.len(), n), "shape of inputs at position {position}");
         for (degree, c) in system.residual.iter().enumerate() {
             let shape = (self.outputs.len(), self.inputs.len());
-            assert_eq!(
-                c.shape(),
-                shape,
-                "shape of residual coefficient {degree} at position {position}"
-            );
+            assert_eq!(c.shape(), shape, "shape of residual coefficient {degree} at position {position}");
             if c.iter().any(|x| !x.re.is_finite() || !x.im.is_finite()) {
                 return Err(FrfError::BadResidual { position, degree });
             }
         }
         for mode in 0..n {
-            let bad = |what, value, allowed| FrfError::BadMode {
-                position,
-                mode,
-                what,
-                value,
-                allowed,
-            };
-            let (f, zeta, eta) = (
-                system.frequencies[mode],
-                system.damping_ratios[mode],
-                system.loss_factors[mode],
-            );
+            let bad = |what, value, allowed| FrfError::BadMode { position, mode, what, value, allowed };
+            let (f, zeta, eta) = (system.frequencies[mode], system.damping_ratios[mode], system.loss_factors[mode]);
             if !in_range(f) {
                 return Err(bad("the frequency in Hz", f, "0 and 1e-9 to 1e12"));
             }
@@ -196,17 +155,8 @@ impl FrfRequest<'_> {
                 }
             }
             let undamped = f == 0.0 || 2.0 * zeta + eta < NO_DAMPING;
-            if undamped
-                && self
-                    .frequencies
-                    .binary_search_by(|x| x.total_cmp(&f))
-                    .is_ok()
-            {
-                return Err(FrfError::Singular {
-                    position,
-                    mode,
-                    frequency: f,
-                });
+            if undamped && self.frequencies.binary_search_by(|x| x.total_cmp(&f)).is_ok() {
+                return Err(FrfError::Singular { position, mode, frequency: f });
             }
         }
         Ok(())
@@ -216,22 +166,13 @@ impl FrfRequest<'_> {
 /// Checks that a grid is not empty, in range and strictly ascending.
 pub(crate) fn check_grid(frequencies: &[f64]) -> Result<(), FrfError> {
     if frequencies.is_empty() {
-        return Err(FrfError::Empty {
-            what: "frequencies",
-        });
+        return Err(FrfError::Empty { what: "frequencies" });
     }
     if let Some(index) = frequencies.iter().position(|f| !in_range(*f)) {
-        return Err(FrfError::BadFrequency {
-            index,
-            value: frequencies[index],
-        });
+        return Err(FrfError::BadFrequency { index, value: frequencies[index] });
     }
     match frequencies.windows(2).position(|w| w[0] >= w[1]) {
-        Some(i) => Err(FrfError::NotAscending {
-            index: i + 1,
-            previous: frequencies[i],
-            value: frequencies[i + 1],
-        }),
+        Some(i) => Err(FrfError::NotAscending { index: i + 1, previous: frequencies[i], value: frequencies[i + 1] }),
         None => Ok(()),
     }
 }

@@ -17,10 +17,7 @@ pub(super) fn scatter(
     stream: bool,
     values: &mut [Complex<f64>],
 ) {
-    match (
-        pair_of_value.len(),
-        stream && values.as_ptr().addr().is_multiple_of(16),
-    ) {
+    match (pair_of_value.len(), stream && values.as_ptr().addr().is_multiple_of(16)) {
         (9, true) => rows::<9, true>(sums, pair_of_value, lanes, values),
         (9, false) => rows::<9, false>(sums, pair_of_value, lanes, values),
         (1, true) => rows::<1, true>(sums, pair_of_value, lanes, values),
@@ -65,12 +62,7 @@ fn write_past_caches(to: &mut Complex<f64>, value: Complex<f64>) {
     use std::arch::x86_64::{_mm_set_pd, _mm_stream_pd};
     // SAFETY: SSE2 belongs to x86-64; `to` is a whole, exclusively borrowed value of 16 bytes (num_complex lays re and im
     // out in this order), aligned as `scatter` has checked; `finish` orders the write before any reader's.
-    unsafe {
-        _mm_stream_pd(
-            std::ptr::from_mut(to).cast(),
-            _mm_set_pd(value.im, value.re),
-        )
-    };
+    unsafe { _mm_stream_pd(std::ptr::from_mut(to).cast(), _mm_set_pd(value.im, value.re)) };
 }
 
 /// Writes a value.

@@ -48,28 +48,16 @@ pub struct TileLimits {
 
 /// Cuts the map from its pair number `first_pair` on into tiles, in the map's order: whole positions together where one
 /// fits, pieces of one position's grid otherwise.
-pub fn tiles(
-    n_positions: usize,
-    n_frequencies: usize,
-    first_pair: usize,
-    limits: TileLimits,
-) -> Vec<TileRange> {
-    assert!(
-        limits.pairs > 0 && limits.positions > 0 && limits.frequencies > 0,
-        "a tile holds a pair: {limits:?}"
-    );
+pub fn tiles(n_positions: usize, n_frequencies: usize, first_pair: usize, limits: TileLimits) -> Vec<TileRange> {
+    assert!(limits.pairs > 0 && limits.positions > 0 && limits.frequencies > 0, "a tile holds a pair: {limits:?}");
     assert!(n_frequencies > 0, "a map has frequencies");
     let longest = limits.pairs.min(limits.frequencies);
     let mut tiles = Vec::new();
     let mut pieces = |position: usize, from: usize| {
-        tiles.extend(
-            (from..n_frequencies)
-                .step_by(longest)
-                .map(|start| TileRange {
-                    positions: position..position + 1,
-                    frequencies: start..(start + longest).min(n_frequencies),
-                }),
-        );
+        tiles.extend((from..n_frequencies).step_by(longest).map(|start| TileRange {
+            positions: position..position + 1,
+            frequencies: start..(start + longest).min(n_frequencies),
+        }));
     };
     let (mut position, frequency) = (first_pair / n_frequencies, first_pair % n_frequencies);
     if frequency > 0 && position < n_positions {
@@ -82,12 +70,10 @@ pub fn tiles(
     }
     let step = (limits.pairs / n_frequencies).min(limits.positions);
     tiles.extend(
-        (position..n_positions)
-            .step_by(step)
-            .map(|start| TileRange {
-                positions: start..(start + step).min(n_positions),
-                frequencies: 0..n_frequencies,
-            }),
+        (position..n_positions).step_by(step).map(|start| TileRange {
+            positions: start..(start + step).min(n_positions),
+            frequencies: 0..n_frequencies,
+        }),
     );
     tiles
 }

@@ -57,7 +57,11 @@ const PROBES: usize = 24;
 ///
 /// # Errors
 /// [`FrfError::Truncation`] if no degree meets the tolerance.
-pub fn modal_systems(modes: &[Modes], highest: f64, selection: Selection) -> Result<(Vec<ModalSystem>, Truncation), FrfError> {
+pub fn modal_systems(
+    modes: &[Modes],
+    highest: f64,
+    selection: Selection,
+) -> Result<(Vec<ModalSystem>, Truncation), FrfError> {
     let kept = |modes: &Modes| {
         let elastic = match selection {
             Selection::Controlled { .. } => modes.count_up_to(2.0 * highest).max(modes.free),
@@ -85,7 +89,15 @@ pub fn modal_systems(modes: &[Modes], highest: f64, selection: Selection) -> Res
     let real = matches!(selection, Selection::Exactly { .. });
     let systems = tails.par_iter().map(|t| t.system(degree, real)).collect();
     let counts = tails.iter().map(|t| t.summed().count());
-    Ok((systems, Truncation { fewest_modes: counts.clone().min().unwrap_or(0), most_modes: counts.max().unwrap_or(0), degree, error }))
+    Ok((
+        systems,
+        Truncation {
+            fewest_modes: counts.clone().min().unwrap_or(0),
+            most_modes: counts.max().unwrap_or(0),
+            degree,
+            error,
+        },
+    ))
 }
 
 /// The modes of one position, split into those summed and the rest.
@@ -131,14 +143,18 @@ impl Tail<'_> {
                 let mut h: DMatrix<Complex<f64>> = DMatrix::zeros(self.modes.direct.nrows(), self.modes.direct.ncols());
                 for r in range {
                     let l = self.modes.eigenvalues[r];
-                    let den = Complex::new(1.0, self.modes.loss_factors[r]) * l + s * s + s * (2.0 * self.modes.damping_ratios[r] * l.sqrt());
+                    let den = Complex::new(1.0, self.modes.loss_factors[r]) * l
+                        + s * s
+                        + s * (2.0 * self.modes.damping_ratios[r] * l.sqrt());
                     h.zip_apply(&self.amplitude(r), |m, a| *m += Complex::new(a, 0.0) / den);
                 }
                 h
             };
-            let rest = sum(&mut (self.kept..self.modes.eigenvalues.len())) + self.modes.direct.map(|v| Complex::new(v, 0.0));
+            let rest =
+                sum(&mut (self.kept..self.modes.eigenvalues.len())) + self.modes.direct.map(|v| Complex::new(v, 0.0));
             let all = sum(&mut self.summed()) + &rest;
-            let stands_for = polynomial.iter().flatten().rev().fold(rest.map(|_| Complex::new(0.0, 0.0)), |p, c| p * s + c);
+            let stands_for =
+                polynomial.iter().flatten().rev().fold(rest.map(|_| Complex::new(0.0, 0.0)), |p, c| p * s + c);
             (rest - stands_for).norm() / all.norm()
         };
         probes.iter().map(|&f| one(f)).fold(0.0, f64::max)

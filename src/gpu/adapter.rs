@@ -46,9 +46,7 @@ impl AdapterSummary {
         AdapterSummary {
             backend: info.backend.to_string().to_lowercase(),
             kind: kind.to_string(),
-            driver: format!("{} {}", info.driver, info.driver_info)
-                .trim()
-                .to_string(),
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_string(),
             name: info.name,
             f64: adapter.features().contains(wgpu::Features::SHADER_F64),
             max_storage_binding: limits.max_storage_buffer_binding_size,
@@ -82,9 +80,7 @@ pub(super) fn choose() -> Result<wgpu::Adapter, GpuError> {
         None => found.into_iter().next(),
         Some(wanted) => match wanted.parse::<usize>() {
             Ok(index) => found.into_iter().nth(index),
-            Err(_) => found
-                .into_iter()
-                .find(|a| matches(&a.get_info().name, wanted)),
+            Err(_) => found.into_iter().find(|a| matches(&a.get_info().name, wanted)),
         },
     };
     chosen.ok_or(GpuError::NoAdapter { wanted })
@@ -103,9 +99,7 @@ pub(super) fn is_wanted(index: usize, summary: &AdapterSummary) -> bool {
 
 /// What the environment asks for.
 pub(super) fn wish() -> Option<String> {
-    std::env::var(ADAPTER_VARIABLE)
-        .ok()
-        .filter(|w| !w.is_empty())
+    std::env::var(ADAPTER_VARIABLE).ok().filter(|w| !w.is_empty())
 }
 
 fn matches(name: &str, part: &str) -> bool {
@@ -114,10 +108,7 @@ fn matches(name: &str, part: &str) -> bool {
 
 fn adapters() -> Vec<wgpu::Adapter> {
     let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
-    let descriptor = wgpu::InstanceDescriptor {
-        backends,
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    };
+    let descriptor = wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() };
     let instance = wgpu::Instance::new(descriptor);
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     adapters.sort_by_key(|a| match a.get_info().device_type {

@@ -79,10 +79,7 @@ pub struct BackendReport {
 ///
 /// # Errors
 /// [`GpuError::Request`] for a request that is not usable, and with [`Backend::Gpu`] whatever a device may do.
-pub fn compute(
-    request: &FrfRequest,
-    options: &BackendOptions,
-) -> Result<(ComplianceMap, BackendReport), GpuError> {
+pub fn compute(request: &FrfRequest, options: &BackendOptions) -> Result<(ComplianceMap, BackendReport), GpuError> {
     request.check()?;
     let start = Instant::now();
     match choose(request, options)? {
@@ -137,22 +134,8 @@ pub fn compute_tiles_on(
 ) -> Result<BackendReport, GpuError> {
     request.check()?;
     let start = Instant::now();
-    let trust = trusted(
-        gpu,
-        options,
-        &mut MeasuredCache::load(options.cache_dir.as_deref()),
-    )?;
-    on_gpu(
-        gpu,
-        &Chosen {
-            trust,
-            why: "an open device".to_string(),
-        },
-        request,
-        options,
-        sink,
-        start,
-    )
+    let trust = trusted(gpu, options, &mut MeasuredCache::load(options.cache_dir.as_deref()))?;
+    on_gpu(gpu, &Chosen { trust, why: "an open device".to_string() }, request, options, sink, start)
 }
 
 /// What a choice came to.
@@ -170,30 +153,20 @@ struct Chosen {
 /// The measure of a request: what [`Speed`] counts a second.
 pub(super) fn work(request: &FrfRequest) -> f64 {
     let pairs = Packing::new(request).pairs.len() as f64;
-    let triples = request.positions.len() as f64
-        * request.frequencies.len() as f64
-        * request.max_modes() as f64;
+    let triples = request.positions.len() as f64 * request.frequencies.len() as f64 * request.max_modes() as f64;
     triples * (pairs + 5.0)
 }
 
 fn choose(request: &FrfRequest, options: &BackendOptions) -> Result<Choice, GpuError> {
     let dir = options.cache_dir.as_deref();
     match options.backend {
-        Backend::Cpu => Ok(Choice::Cpu {
-            why: "asked for".to_string(),
-        }),
+        Backend::Cpu => Ok(Choice::Cpu { why: "asked for".to_string() }),
         Backend::Gpu => {
             let gpu = Gpu::open()?;
             let mut cache = MeasuredCache::load(dir);
             let trust = trusted(&gpu, options, &mut cache)?;
             cache.save(dir);
-            Ok(Choice::Gpu(
-                Box::new(gpu),
-                Chosen {
-                    trust,
-                    why: "asked for".to_string(),
-                },
-            ))
+            Ok(Choice::Gpu(Box::new(gpu), Chosen { trust, why: "asked for".to_string() }))
         }
         Backend::Auto => Ok(choose_by_speed(request, options)),
     }
@@ -204,10 +177,7 @@ fn choose_by_speed(request: &FrfRequest, options: &BackendOptions) -> Choice {
     let (work, dir) = (work(request), options.cache_dir.as_deref());
     let modest = work / (MODEST_WORK_PER_SECOND * rayon::current_num_threads() as f64);
     if modest < WORTH_A_DEVICE {
-        let why = format!(
-            "at most {:.0} ms of work on the processor: less than opening a device",
-            1e3 * modest
-        );
+        let why = format!("at most {:.0} ms of work on the processor: less than opening a device", 1e3 * modest);
         return Choice::Cpu { why };
     }
     let mut cache = MeasuredCache::load(dir);
@@ -219,19 +189,12 @@ fn choose_by_speed(request: &FrfRequest, options: &BackendOptions) -> Choice {
     choice.unwrap_or_else(|e| Choice::Cpu { why: e.to_string() })
 }
 
-fn choose_measured(
-    work: f64,
-    options: &BackendOptions,
-    cache: &mut MeasuredCache,
-) -> Result<Choice, GpuError> {
+fn choose_measured(work: f64, options: &BackendOptions, cache: &mut MeasuredCache) -> Result<Choice, GpuError> {
     let precision = options.precision;
     let cpu = match cache.speed(None, precision) {
         Some(speed) => speed,
         None => {
-            let speed = Speed {
-                work_per_second: bench::work_per_second_on_cpu()?,
-                open_seconds: 0.0,
-            };
+            let speed = Speed { work_per_second: bench::work_per_second_on_cpu()?, open_seconds: 0.0 };
             cache.keep_speed(None, precision, speed);
             speed
         }
@@ -239,41 +202,25 @@ fn choose_measured(
     let cpu_seconds = work / cpu.work_per_second;
     if cpu_seconds < WORTH_A_DEVICE {
         return Ok(Choice::Cpu {
-            why: format!(
-                "{:.0} ms of work on the processor: less than opening a device",
-                1e3 * cpu_seconds
-            ),
+            why: format!("{:.0} ms of work on the processor: less than opening a device", 1e3 * cpu_seconds),
         });
     }
     let adapters = cache.adapters();
-    let wanted = adapters
-        .iter()
-        .enumerate()
-        .find(|(i, a)| adapter::is_wanted(*i, a))
-        .map(|(_, a)| a.clone());
-    let wanted = wanted.ok_or(GpuError::NoAdapter {
-        wanted: adapter::wish(),
-    })?;
+    let wanted = adapters.iter().enumerate().find(|(i, a)| adapter::is_wanted(*i, a)).map(|(_, a)| a.clone());
+    let wanted = wanted.ok_or(GpuError::NoAdapter { wanted: adapter::wish() })?;
     if wanted.is_software() {
         return Err(GpuError::SoftwareOnly { name: wanted.name });
     }
     if precision == Precision::F64 && !wanted.f64 {
-        return Err(GpuError::NoF64 {
-            adapter: wanted.name,
-        });
+        return Err(GpuError::NoF64 { adapter: wanted.name });
     }
     let slower = |speed: &Speed| work / speed.work_per_second + speed.open_seconds >= cpu_seconds;
     let compare = |speed: &Speed| {
         let gpu_seconds = work / speed.work_per_second + speed.open_seconds;
-        format!(
-            "estimated {cpu_seconds:.2} s on the processor, {gpu_seconds:.2} s on {}",
-            wanted.name
-        )
+        format!("estimated {cpu_seconds:.2} s on the processor, {gpu_seconds:.2} s on {}", wanted.name)
     };
     if let Some(speed) = cache.speed(Some(&wanted), precision).filter(slower) {
-        return Ok(Choice::Cpu {
-            why: compare(&speed),
-        });
+        return Ok(Choice::Cpu { why: compare(&speed) });
     }
     let opening = Instant::now();
     let gpu = Gpu::open()?;
@@ -282,34 +229,19 @@ fn choose_measured(
     let speed = match cache.speed(Some(&wanted), precision) {
         Some(speed) => speed,
         None => {
-            let speed = Speed {
-                work_per_second: bench::work_per_second_on(&gpu, precision)?,
-                open_seconds,
-            };
+            let speed = Speed { work_per_second: bench::work_per_second_on(&gpu, precision)?, open_seconds };
             cache.keep_speed(Some(&wanted), precision, speed);
             speed
         }
     };
     if slower(&speed) {
-        return Ok(Choice::Cpu {
-            why: compare(&speed),
-        });
+        return Ok(Choice::Cpu { why: compare(&speed) });
     }
-    Ok(Choice::Gpu(
-        Box::new(gpu),
-        Chosen {
-            trust,
-            why: compare(&speed),
-        },
-    ))
+    Ok(Choice::Gpu(Box::new(gpu), Chosen { trust, why: compare(&speed) }))
 }
 
 /// The figures of this adapter and driver: cached, or looked at now.
-fn trusted(
-    gpu: &Gpu,
-    options: &BackendOptions,
-    cache: &mut MeasuredCache,
-) -> Result<TrustFigures, GpuError> {
+fn trusted(gpu: &Gpu, options: &BackendOptions, cache: &mut MeasuredCache) -> Result<TrustFigures, GpuError> {
     if let Some(figures) = cache.trust(gpu.adapter(), options.precision) {
         return Ok(figures.clone());
     }
@@ -361,9 +293,7 @@ fn on_gpu(
     match result {
         Ok(()) => {}
         Err(e) if options.backend == Backend::Auto && e.is_of_the_device() => {
-            tracing::warn!(
-                "{e}; the processor goes on from (position, frequency) pair {done} of {total}"
-            );
+            tracing::warn!("{e}; the processor goes on from (position, frequency) pair {done} of {total}");
             frf::modal_sum_tiles(request, done, sink)?;
             report.backend = "gpu, finished on the cpu";
             report.why = format!("{}; the device failed: {e}", chosen.why);

@@ -33,14 +33,7 @@ pub struct BenchRequest {
 impl Default for BenchRequest {
     /// The main job's size.
     fn default() -> BenchRequest {
-        BenchRequest {
-            backend: Backend::Auto,
-            positions: 121,
-            frequencies: 2000,
-            modes: 30,
-            ports: 3,
-            repetitions: 10,
-        }
+        BenchRequest { backend: Backend::Auto, positions: 121, frequencies: 2000, modes: 30, ports: 3, repetitions: 10 }
     }
 }
 
@@ -87,22 +80,10 @@ pub fn measure(bench: &BenchRequest) -> Result<Vec<BenchRow>, GpuError> {
     let mut values = frf::zeros(request.len());
     let mut rows = Vec::new();
     if bench.backend != Backend::Gpu {
-        let seconds = median(bench.repetitions, || {
-            Ok(frf::modal_sum_into(&request, &mut values)?)
-        })?;
+        let seconds = median(bench.repetitions, || Ok(frf::modal_sum_into(&request, &mut values)?))?;
         let lanes = Arch::new().dispatch(Lanes);
-        let device = format!(
-            "{lanes} f64 lanes, {} threads",
-            rayon::current_num_threads()
-        );
-        rows.push(row(
-            bench,
-            "cpu",
-            device,
-            Precision::F64,
-            seconds,
-            Some(Peaks::measure()),
-        ));
+        let device = format!("{lanes} f64 lanes, {} threads", rayon::current_num_threads());
+        rows.push(row(bench, "cpu", device, Precision::F64, seconds, Some(Peaks::measure())));
     }
     if bench.backend != Backend::Cpu {
         let gpu = match Gpu::open() {
@@ -110,22 +91,12 @@ pub fn measure(bench: &BenchRequest) -> Result<Vec<BenchRow>, GpuError> {
             Err(GpuError::NoAdapter { .. }) if bench.backend == Backend::Auto => return Ok(rows),
             Err(e) => return Err(e),
         };
-        for precision in [Precision::F32, Precision::F64]
-            .into_iter()
-            .filter(|p| gpu.supports(*p))
-        {
+        for precision in [Precision::F32, Precision::F64].into_iter().filter(|p| gpu.supports(*p)) {
             let seconds = median(bench.repetitions, || {
                 black_box(modal_sum(&gpu, &request, precision)?);
                 Ok(())
             })?;
-            rows.push(row(
-                bench,
-                "gpu",
-                gpu.adapter().name.clone(),
-                precision,
-                seconds,
-                None,
-            ));
+            rows.push(row(bench, "gpu", gpu.adapter().name.clone(), precision, seconds, None));
         }
     }
     Ok(rows)
@@ -183,10 +154,7 @@ pub(super) fn work_per_second_on(gpu: &Gpu, precision: Precision) -> Result<f64,
 }
 
 /// Median seconds of runs after one that does not count.
-fn median(
-    repetitions: usize,
-    mut run: impl FnMut() -> Result<(), GpuError>,
-) -> Result<f64, GpuError> {
+fn median(repetitions: usize, mut run: impl FnMut() -> Result<(), GpuError>) -> Result<f64, GpuError> {
     assert!(repetitions > 0, "at least one run, not {repetitions}");
     run()?;
     let mut seconds = Vec::with_capacity(repetitions);
@@ -210,13 +178,9 @@ struct Case {
 impl Case {
     fn new(positions: usize, frequencies: usize, modes: usize, ports: usize) -> Case {
         let system = |p: usize| {
-            let shapes = DMatrix::from_fn(ports, modes, |i, r| {
-                0.05 * (1.7 * (1 + i + 3 * r + 7 * p) as f64).sin()
-            });
+            let shapes = DMatrix::from_fn(ports, modes, |i, r| 0.05 * (1.7 * (1 + i + 3 * r + 7 * p) as f64).sin());
             ModalSystem {
-                frequencies: (0..modes)
-                    .map(|r| 14.1 + 29.3 * r as f64 + 1e-3 * p as f64)
-                    .collect(),
+                frequencies: (0..modes).map(|r| 14.1 + 29.3 * r as f64 + 1e-3 * p as f64).collect(),
                 damping_ratios: vec![0.02; modes],
                 loss_factors: vec![0.0; modes],
                 outputs: shapes.clone(),
@@ -227,9 +191,7 @@ impl Case {
         Case {
             positions: (0..positions).map(|p| -0.005 * p as f64).collect(),
             systems: (0..positions).map(system).collect(),
-            frequencies: (0..frequencies)
-                .map(|k| 900.0 * k as f64 / frequencies as f64)
-                .collect(),
+            frequencies: (0..frequencies).map(|k| 900.0 * k as f64 / frequencies as f64).collect(),
             names: (0..ports).map(|i| format!("port {i}")).collect(),
         }
     }
@@ -260,19 +222,15 @@ impl Peaks {
         let best = |run: &mut dyn FnMut() -> f64| (0..3).map(|_| run()).fold(0.0, f64::max);
         let flops = best(&mut || {
             let start = Instant::now();
-            let flops: f64 = (0..threads)
-                .into_par_iter()
-                .map(|_| Arch::new().dispatch(MultiplyAdds { rounds: ROUNDS }))
-                .sum();
+            let flops: f64 =
+                (0..threads).into_par_iter().map(|_| Arch::new().dispatch(MultiplyAdds { rounds: ROUNDS })).sum();
             flops / start.elapsed().as_secs_f64()
         });
         let mut memory = vec![0u64; 8 << 20];
         let bytes = best(&mut || {
             let start = Instant::now();
             let chunk = memory.len() / threads;
-            memory
-                .par_chunks_mut(chunk.max(1))
-                .for_each(|chunk| chunk.fill(black_box(1)));
+            memory.par_chunks_mut(chunk.max(1)).for_each(|chunk| chunk.fill(black_box(1)));
             size_of_val(&memory[..]) as f64 / start.elapsed().as_secs_f64()
         });
         Peaks { flops, bytes }

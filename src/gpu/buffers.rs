@@ -16,11 +16,7 @@ struct Growable {
 
 impl Growable {
     fn new(label: &'static str, usage: wgpu::BufferUsages) -> Growable {
-        Growable {
-            label,
-            usage,
-            buffer: None,
-        }
+        Growable { label, usage, buffer: None }
     }
 
     /// The buffer with at least `size` bytes.
@@ -28,12 +24,7 @@ impl Growable {
         let size = size.next_multiple_of(16).max(64);
         if size > gpu.max_binding() {
             let adapter = gpu.adapter().name.clone();
-            return Err(GpuError::TooLarge {
-                adapter,
-                what: self.label,
-                needed: size,
-                allowed: gpu.max_binding(),
-            });
+            return Err(GpuError::TooLarge { adapter, what: self.label, needed: size, allowed: gpu.max_binding() });
         }
         let held = self.buffer.take().filter(|buffer| buffer.size() >= size);
         let buffer = match held {
@@ -72,10 +63,7 @@ pub(super) struct InFlight {
 
 impl Buffers {
     /// No memory yet; each buffer is made at the first tile and grows with the largest.
-    #[expect(
-        clippy::new_without_default,
-        reason = "an empty set of buffers is no value to default to"
-    )]
+    #[expect(clippy::new_without_default, reason = "an empty set of buffers is no value to default to")]
     pub fn new() -> Buffers {
         use wgpu::BufferUsages as Usage;
         let read = Usage::STORAGE | Usage::COPY_DST;
@@ -106,32 +94,17 @@ impl Buffers {
         let staging = self.staging.hold(gpu, bytes)?;
         let (send, mapped) = channel();
         let submission = gpu.scoped("starting a kernel", || {
-            gpu.queue
-                .write_buffer(params, 0, bytemuck::bytes_of(&tile.params));
-            for (buffer, bytes) in [
-                (frequencies, &tile.frequencies),
-                (modes, &tile.modes),
-                (residual, &tile.residual),
-            ] {
+            gpu.queue.write_buffer(params, 0, bytemuck::bytes_of(&tile.params));
+            for (buffer, bytes) in [(frequencies, &tile.frequencies), (modes, &tile.modes), (residual, &tile.residual)]
+            {
                 gpu.queue.write_buffer(buffer, 0, bytes);
             }
-            let model = bind(
-                gpu,
-                "model",
-                &pipeline.model,
-                &[params, frequencies, modes, residual],
-            );
+            let model = bind(gpu, "model", &pipeline.model, &[params, frequencies, modes, residual]);
             let written = bind(gpu, "output", &pipeline.output, &[output]);
-            let mut encoder = gpu
-                .device
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                    label: Some("tile"),
-                });
+            let mut encoder =
+                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("tile") });
             {
-                let descriptor = wgpu::ComputePassDescriptor {
-                    label: Some("tile"),
-                    timestamp_writes: None,
-                };
+                let descriptor = wgpu::ComputePassDescriptor { label: Some("tile"), timestamp_writes: None };
                 let mut pass = encoder.begin_compute_pass(&descriptor);
                 pass.set_pipeline(&pipeline.pipeline);
                 pass.set_bind_group(0, &model, &[]);
@@ -146,11 +119,7 @@ impl Buffers {
             });
             submission
         })?;
-        Ok(InFlight {
-            submission,
-            mapped,
-            bytes,
-        })
+        Ok(InFlight { submission, mapped, bytes })
     }
 
     /// Waits for a tile and reads its output.
@@ -171,15 +140,9 @@ impl Buffers {
             Ok(Err(e)) => return Err(refused(e.to_string())),
             Err(e) => return Err(refused(e.to_string())),
         }
-        let staging = self
-            .staging
-            .buffer
-            .as_ref()
-            .ok_or_else(|| refused("no staging buffer".to_string()))?;
+        let staging = self.staging.buffer.as_ref().ok_or_else(|| refused("no staging buffer".to_string()))?;
         let result = {
-            let view = staging
-                .get_mapped_range(0..tile.bytes)
-                .map_err(|e| refused(e.to_string()))?;
+            let view = staging.get_mapped_range(0..tile.bytes).map_err(|e| refused(e.to_string()))?;
             read(&view)
         };
         staging.unmap();
@@ -187,22 +150,10 @@ impl Buffers {
     }
 }
 
-fn bind(
-    gpu: &Gpu,
-    label: &str,
-    layout: &wgpu::BindGroupLayout,
-    buffers: &[&wgpu::Buffer],
-) -> wgpu::BindGroup {
+fn bind(gpu: &Gpu, label: &str, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
     let entries: Vec<_> = (0..)
         .zip(buffers)
-        .map(|(binding, buffer)| wgpu::BindGroupEntry {
-            binding,
-            resource: buffer.as_entire_binding(),
-        })
+        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
         .collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(label),
-        layout,
-        entries: &entries,
-    })
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }

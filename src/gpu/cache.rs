@@ -38,10 +38,7 @@ pub struct MeasuredCache {
 impl MeasuredCache {
     /// Reads the file of a cache directory; an absent one is empty, a damaged one is reported and empty.
     pub fn load(dir: Option<&Path>) -> MeasuredCache {
-        let empty = MeasuredCache {
-            version: VERSION,
-            ..MeasuredCache::default()
-        };
+        let empty = MeasuredCache { version: VERSION, ..MeasuredCache::default() };
         let Some(path) = dir.map(|d| d.join(FILE)) else {
             return empty;
         };
@@ -49,10 +46,7 @@ impl MeasuredCache {
             Ok(text) => text,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return empty,
             Err(e) => {
-                tracing::warn!(
-                    "the device cache {} cannot be read ({e}); measuring again",
-                    path.display()
-                );
+                tracing::warn!("the device cache {} cannot be read ({e}); measuring again", path.display());
                 return empty;
             }
         };
@@ -60,10 +54,7 @@ impl MeasuredCache {
             Ok(cache) if cache.version == VERSION => cache,
             Ok(_) => empty,
             Err(e) => {
-                tracing::warn!(
-                    "the device cache {} is damaged ({e}); measuring again",
-                    path.display()
-                );
+                tracing::warn!("the device cache {} is damaged ({e}); measuring again", path.display());
                 empty
             }
         }
@@ -80,10 +71,7 @@ impl MeasuredCache {
             Ok(())
         };
         if let Err(e) = write() {
-            tracing::warn!(
-                "the device cache in {} cannot be written: {e}",
-                dir.display()
-            );
+            tracing::warn!("the device cache in {} cannot be written: {e}", dir.display());
         }
     }
 
@@ -103,12 +91,7 @@ impl MeasuredCache {
     }
 
     /// Keeps a measured speed.
-    pub fn keep_speed(
-        &mut self,
-        adapter: Option<&AdapterSummary>,
-        precision: Precision,
-        speed: Speed,
-    ) {
+    pub fn keep_speed(&mut self, adapter: Option<&AdapterSummary>, precision: Precision, speed: Speed) {
         self.speeds.insert(speed_key(adapter, precision), speed);
     }
 
@@ -148,11 +131,7 @@ fn driver_state() -> String {
         "VK_LOADER_DRIVERS_DISABLE",
         "VK_LOADER_DEVICE_SELECT",
     ];
-    const DIRECTORIES: [&str; 3] = [
-        "/usr/share/vulkan/icd.d",
-        "/etc/vulkan/icd.d",
-        "/usr/local/share/vulkan/icd.d",
-    ];
+    const DIRECTORIES: [&str; 3] = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"];
     let mut manifests: Vec<PathBuf> = DIRECTORIES
         .iter()
         .filter_map(|d| std::fs::read_dir(d).ok())
@@ -162,18 +141,13 @@ fn driver_state() -> String {
     if manifests.is_empty() {
         return String::new();
     }
-    let variables = VARIABLES
-        .iter()
-        .map(|v| format!("{v}={};", std::env::var(v).unwrap_or_default()));
+    let variables = VARIABLES.iter().map(|v| format!("{v}={};", std::env::var(v).unwrap_or_default()));
     let times = manifests.iter().map(|m| {
         let time = std::fs::metadata(m).and_then(|meta| meta.modified()).ok();
-        let seconds = time
-            .and_then(|t| t.duration_since(std::time::UNIX_EPOCH).ok())
-            .map_or(0, |d| d.as_secs());
+        let seconds = time.and_then(|t| t.duration_since(std::time::UNIX_EPOCH).ok()).map_or(0, |d| d.as_secs());
         // A graphics device appears under /dev/dri or /dev/nvidia0 with its kernel driver.
         format!("{}@{seconds};", m.display())
     });
-    let devices =
-        ["/dev/dri", "/dev/nvidia0", "/dev/dxg"].map(|d| format!("{d}={};", Path::new(d).exists()));
+    let devices = ["/dev/dri", "/dev/nvidia0", "/dev/dxg"].map(|d| format!("{d}={};", Path::new(d).exists()));
     variables.chain(times).chain(devices).collect()
 }

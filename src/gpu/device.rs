@@ -47,32 +47,17 @@ impl Gpu {
             required_limits: limits.clone(),
             ..wgpu::DeviceDescriptor::default()
         };
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| {
-                GpuError::NoDevice {
-                    adapter: summary.name.clone(),
-                    message: e.to_string(),
-                }
-            })?;
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|e| GpuError::NoDevice { adapter: summary.name.clone(), message: e.to_string() })?;
         let fault = Arc::new(Mutex::new(None));
         let lost = Arc::clone(&fault);
         device.set_device_lost_callback(move |reason, message| {
             record(&lost, Fault::Lost(format!("{reason:?}: {message}")));
         });
         let error = Arc::clone(&fault);
-        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
-            record(&error, Fault::Error(e.to_string()))
-        }));
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| record(&error, Fault::Error(e.to_string()))));
         let (kernels, spare) = (Kernels::new(), Mutex::default());
-        Ok(Gpu {
-            device,
-            queue,
-            summary,
-            limits,
-            kernels,
-            spare,
-            fault,
-        })
+        Ok(Gpu { device, queue, summary, limits, kernels, spare, fault })
     }
 
     /// The adapter.
@@ -87,9 +72,7 @@ impl Gpu {
 
     /// Largest buffer that a shader can be given, bytes.
     pub(super) fn max_binding(&self) -> u64 {
-        self.limits
-            .max_storage_buffer_binding_size
-            .min(self.limits.max_buffer_size)
+        self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
     }
 
     /// Most workgroups a dimension.
@@ -104,19 +87,13 @@ impl Gpu {
 
     /// Buffers for two tiles in flight.
     pub(super) fn buffers(&self) -> [Buffers; 2] {
-        let mut spare = self
-            .spare
-            .lock()
-            .expect("no thread panics while it holds spare buffers");
+        let mut spare = self.spare.lock().expect("no thread panics while it holds spare buffers");
         [(); 2].map(|()| spare.pop().unwrap_or_else(Buffers::new))
     }
 
     /// Keeps buffers whose work is done for the next.
     pub(super) fn keep(&self, buffers: [Buffers; 2]) {
-        self.spare
-            .lock()
-            .expect("no thread panics while it holds spare buffers")
-            .extend(buffers);
+        self.spare.lock().expect("no thread panics while it holds spare buffers").extend(buffers);
     }
 
     /// Gives the device up. What is asked of it afterwards fails with [`GpuError::DeviceLost`].
@@ -125,16 +102,8 @@ impl Gpu {
     }
 
     /// Runs commands inside error scopes and turns what they catch into an error.
-    pub(super) fn scoped<T>(
-        &self,
-        doing: &'static str,
-        commands: impl FnOnce() -> T,
-    ) -> Result<T, GpuError> {
-        let filters = [
-            wgpu::ErrorFilter::Internal,
-            wgpu::ErrorFilter::Validation,
-            wgpu::ErrorFilter::OutOfMemory,
-        ];
+    pub(super) fn scoped<T>(&self, doing: &'static str, commands: impl FnOnce() -> T) -> Result<T, GpuError> {
+        let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory];
         let scopes = filters.map(|filter| self.device.push_error_scope(filter));
         let result = commands();
         let mut caught = None;
@@ -147,33 +116,19 @@ impl Gpu {
         match caught {
             None => Ok(result),
             Some(wgpu::Error::OutOfMemory { .. }) => Err(GpuError::OutOfMemory { adapter, doing }),
-            Some(
-                wgpu::Error::Validation { description, .. }
-                | wgpu::Error::Internal { description, .. },
-            ) => Err(GpuError::Validation {
-                adapter,
-                doing,
-                message: description,
-            }),
+            Some(wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. }) => {
+                Err(GpuError::Validation { adapter, doing, message: description })
+            }
         }
     }
 
     /// Fails if the driver has reported a loss or an error.
     pub(super) fn check(&self, doing: &'static str) -> Result<(), GpuError> {
         let adapter = self.summary.name.clone();
-        match self
-            .fault
-            .lock()
-            .expect("no thread panics while it records a fault")
-            .clone()
-        {
+        match self.fault.lock().expect("no thread panics while it records a fault").clone() {
             None => Ok(()),
             Some(Fault::Lost(message)) => Err(GpuError::DeviceLost { adapter, message }),
-            Some(Fault::Error(message)) => Err(GpuError::Validation {
-                adapter,
-                doing,
-                message,
-            }),
+            Some(Fault::Error(message)) => Err(GpuError::Validation { adapter, doing, message }),
         }
     }
 
@@ -181,35 +136,20 @@ impl Gpu {
     pub(super) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
         let adapter = self.summary.name.clone();
         let timeout = Some(Duration::from_secs(PATIENCE));
-        let poll = self.device.poll(wgpu::PollType::Wait {
-            submission_index: Some(submission),
-            timeout,
-        });
+        let poll = self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout });
         self.check("waiting for the device")?;
         match poll {
             Ok(_) => Ok(()),
-            Err(wgpu::PollError::Timeout) => Err(GpuError::Timeout {
-                adapter,
-                seconds: PATIENCE,
-            }),
-            Err(e) => Err(GpuError::Validation {
-                adapter,
-                doing: "waiting for the device",
-                message: e.to_string(),
-            }),
+            Err(wgpu::PollError::Timeout) => Err(GpuError::Timeout { adapter, seconds: PATIENCE }),
+            Err(e) => Err(GpuError::Validation { adapter, doing: "waiting for the device", message: e.to_string() }),
         }
     }
 }
 
 /// Keeps the first fault; a loss replaces an error, for it is the cause of most.
 fn record(fault: &Mutex<Option<Fault>>, new: Fault) {
-    let mut held = fault
-        .lock()
-        .expect("no thread panics while it records a fault");
-    if matches!(
-        (&*held, &new),
-        (None, _) | (Some(Fault::Error(_)), Fault::Lost(_))
-    ) {
+    let mut held = fault.lock().expect("no thread panics while it records a fault");
+    if matches!((&*held, &new), (None, _) | (Some(Fault::Error(_)), Fault::Lost(_))) {
         *held = Some(new);
     }
 }

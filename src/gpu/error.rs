@@ -93,9 +93,7 @@ pub enum GpuError {
         frequency: usize,
     },
     /// The device's numbers are not what its precision allows.
-    #[error(
-        "the device {adapter} failed its accuracy check: {figure:.2e} {what}, allowed {bound:.2e}; it is not used"
-    )]
+    #[error("the device {adapter} failed its accuracy check: {figure:.2e} {what}, allowed {bound:.2e}; it is not used")]
     Inaccurate {
         /// Adapter.
         adapter: String,

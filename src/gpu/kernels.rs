@@ -31,14 +31,9 @@ impl Kernels {
     /// The pipeline of a variant.
     pub(super) fn get(&self, gpu: &Gpu, variant: Variant) -> Result<Arc<Pipeline>, GpuError> {
         if variant.precision == Precision::F64 && !gpu.supports(Precision::F64) {
-            return Err(GpuError::NoF64 {
-                adapter: gpu.adapter().name.clone(),
-            });
+            return Err(GpuError::NoF64 { adapter: gpu.adapter().name.clone() });
         }
-        let mut pipelines = self
-            .pipelines
-            .lock()
-            .expect("no thread panics while it compiles a kernel");
+        let mut pipelines = self.pipelines.lock().expect("no thread panics while it compiles a kernel");
         if let Some(pipeline) = pipelines.get(&variant) {
             return Ok(Arc::clone(pipeline));
         }
@@ -55,47 +50,28 @@ fn compile(gpu: &Gpu, variant: Variant) -> Pipeline {
     let model = layout(
         gpu,
         &format!("{name} model"),
-        &[
-            wgpu::BufferBindingType::Uniform,
-            storage(true),
-            storage(true),
-            storage(true),
-        ],
+        &[wgpu::BufferBindingType::Uniform, storage(true), storage(true), storage(true)],
     );
     let output = layout(gpu, &format!("{name} output"), &[storage(false)]);
     let source = wgpu::ShaderSource::Wgsl(variant.source().into());
-    let descriptor = wgpu::ShaderModuleDescriptor {
-        label: Some(&name),
-        source,
-    };
-    let checks = wgpu::ShaderRuntimeChecks {
-        force_loop_bounding: false,
-        ..wgpu::ShaderRuntimeChecks::checked()
-    };
+    let descriptor = wgpu::ShaderModuleDescriptor { label: Some(&name), source };
+    let checks = wgpu::ShaderRuntimeChecks { force_loop_bounding: false, ..wgpu::ShaderRuntimeChecks::checked() };
     // SAFETY: the source is this crate's own; each of its loops runs to a bound that does not change in the loop.
     let module = unsafe { gpu.device.create_shader_module_trusted(descriptor, checks) };
-    let pipeline_layout = gpu
-        .device
-        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(&name),
-            bind_group_layouts: &[Some(&model), Some(&output)],
-            immediate_size: 0,
-        });
-    let pipeline = gpu
-        .device
-        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(&name),
-            layout: Some(&pipeline_layout),
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-    Pipeline {
-        pipeline,
-        model,
-        output,
-    }
+    let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(&name),
+        bind_group_layouts: &[Some(&model), Some(&output)],
+        immediate_size: 0,
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(&name),
+        layout: Some(&pipeline_layout),
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    Pipeline { pipeline, model, output }
 }
 
 fn layout(gpu: &Gpu, label: &str, types: &[wgpu::BufferBindingType]) -> wgpu::BindGroupLayout {
@@ -104,17 +80,9 @@ fn layout(gpu: &Gpu, label: &str, types: &[wgpu::BufferBindingType]) -> wgpu::Bi
         .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
             count: None,
         })
         .collect();
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(label),
-            entries: &entries,
-        })
+    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }

@@ -42,16 +42,8 @@ pub fn grid_extrema(
 ) -> Result<Vec<Vec<GridExtrema>>, GpuError> {
     request.check()?;
     let packing = Packing::new(request);
-    let wanted: Vec<usize> = pairs
-        .iter()
-        .map(|(i, j)| packing.pair_of_value[i * request.inputs.len() + j])
-        .collect();
-    let search = Search {
-        gpu,
-        request,
-        precision,
-        wanted,
-    };
+    let wanted: Vec<usize> = pairs.iter().map(|(i, j)| packing.pair_of_value[i * request.inputs.len() + j]).collect();
+    let search = Search { gpu, request, precision, wanted };
     match precision {
         Precision::F32 => search.run::<f32>(packing),
         Precision::F64 => search.run::<f64>(packing),
@@ -84,21 +76,11 @@ impl Search<'_> {
         let pipeline = gpu.kernels().get(gpu, variant)?;
         let model = Model::new(request, packing, variant.duos);
         // A record stands for up to CHUNK frequencies; counting one a frequency keeps tiles small enough to overlap.
-        let ranges = plan(
-            gpu,
-            request,
-            &model,
-            self.precision,
-            2 * self.precision.bytes() * n_pairs as u64,
-            0,
-        )?;
+        let ranges = plan(gpu, request, &model, self.precision, 2 * self.precision.bytes() * n_pairs as u64, 0)?;
         let nothing = Best {
             peak: f64::NEG_INFINITY,
             real_part: f64::INFINITY,
-            at: GridExtrema {
-                peak: 0,
-                most_negative_real: 0,
-            },
+            at: GridExtrema { peak: 0, most_negative_real: 0 },
         };
         let mut best = vec![vec![nothing; self.wanted.len()]; request.positions.len()];
         let mut slots = gpu.buffers();
@@ -110,14 +92,9 @@ impl Search<'_> {
                     let frequencies = &request.frequencies[range.frequencies.clone()];
                     let tile = model.tile(self.precision, range.positions.clone(), frequencies);
                     let chunks = range.frequencies.len().div_ceil(CHUNK as usize);
-                    let workgroups = [
-                        chunks as u32,
-                        range.positions.len() as u32,
-                        model.groups(variant.duos),
-                    ];
+                    let workgroups = [chunks as u32, range.positions.len() as u32, model.groups(variant.duos)];
                     let bytes = range.positions.len() * chunks * n_pairs * size_of::<Extrema<T>>();
-                    let tile =
-                        slots[i % 2].submit(gpu, &pipeline, &tile, workgroups, bytes as u64)?;
+                    let tile = slots[i % 2].submit(gpu, &pipeline, &tile, workgroups, bytes as u64)?;
                     Some((range, chunks, i % 2, tile))
                 }
             };
@@ -133,10 +110,7 @@ impl Search<'_> {
             }
         }
         gpu.keep(slots);
-        Ok(best
-            .into_iter()
-            .map(|pairs| pairs.into_iter().map(|b| b.at).collect())
-            .collect())
+        Ok(best.into_iter().map(|pairs| pairs.into_iter().map(|b| b.at).collect()).collect())
     }
 
     /// Chunks come in the grid's order, so the first of equal values stays.

@@ -4,9 +4,7 @@ use bytemuck::Pod;
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-use crate::frf::{
-    ComplianceMap, FrfError, FrfRequest, Packing, Sink, Tile, TileLimits, TileRange, tiles,
-};
+use crate::frf::{ComplianceMap, FrfError, FrfRequest, Packing, Sink, Tile, TileLimits, TileRange, tiles};
 
 use super::model::{MICRON, Model};
 use super::shader::{CHUNK, Kernel, Params, Precision, Variant, WORKGROUP};
@@ -42,18 +40,14 @@ const TILES: u64 = 6;
 ///
 /// # Source
 /// Kernel: `shaders/modal_sum.wgsl`; its readable twin: [`super::twin`].
-pub fn modal_sum(
-    gpu: &Gpu,
-    request: &FrfRequest,
-    precision: Precision,
-) -> Result<ComplianceMap, GpuError> {
+pub fn modal_sum(gpu: &Gpu, request: &FrfRequest, precision: Precision) -> Result<ComplianceMap, GpuError> {
     request.check()?;
     let mut values = crate::frf::zeros(request.len());
     let packing = Packing::new(request);
     let variant = Variant::new(Kernel::ModalSum, precision, packing.pairs.len());
     run(gpu, request, packing, variant, 0, &mut |range, unpack| {
-        let start = (range.positions.start * request.frequencies.len() + range.frequencies.start)
-            * request.values_per_pair();
+        let start =
+            (range.positions.start * request.frequencies.len() + range.frequencies.start) * request.values_per_pair();
         unpack.fill(&mut values[start..start + range.pairs() * request.values_per_pair()])
     })?;
     Ok(ComplianceMap::around(request, values))
@@ -75,44 +69,25 @@ pub fn modal_sum_tiles(
     let packing = Packing::new(request);
     let variant = Variant::new(Kernel::ModalSum, precision, packing.pairs.len());
     let mut values = Vec::new();
-    run(
-        gpu,
-        request,
-        packing,
-        variant,
-        first_pair,
-        &mut |range, unpack| {
-            values.resize(
-                range.pairs() * request.values_per_pair(),
-                Complex::default(),
-            );
-            unpack.fill(&mut values)?;
-            let position = range.positions.start;
-            sink(Tile {
-                range: range.clone(),
-                values: &values,
-            })
+    run(gpu, request, packing, variant, first_pair, &mut |range, unpack| {
+        values.resize(range.pairs() * request.values_per_pair(), Complex::default());
+        unpack.fill(&mut values)?;
+        let position = range.positions.start;
+        sink(Tile { range: range.clone(), values: &values })
             .map_err(|source| FrfError::Sink { position, source }.into())
-        },
-    )
+    })
 }
 
 /// The sum without the frequencies' low parts: what f32 gives when a compiler loses them. For tests alone.
 #[doc(hidden)]
-pub fn modal_sum_without_low_parts(
-    gpu: &Gpu,
-    request: &FrfRequest,
-) -> Result<ComplianceMap, GpuError> {
+pub fn modal_sum_without_low_parts(gpu: &Gpu, request: &FrfRequest) -> Result<ComplianceMap, GpuError> {
     request.check()?;
     let packing = Packing::new(request);
-    let variant = Variant {
-        split: false,
-        ..Variant::new(Kernel::ModalSum, Precision::F32, packing.pairs.len())
-    };
+    let variant = Variant { split: false, ..Variant::new(Kernel::ModalSum, Precision::F32, packing.pairs.len()) };
     let mut values = vec![Complex::default(); request.len()];
     run(gpu, request, packing, variant, 0, &mut |range, unpack| {
-        let start = (range.positions.start * request.frequencies.len() + range.frequencies.start)
-            * request.values_per_pair();
+        let start =
+            (range.positions.start * request.frequencies.len() + range.frequencies.start) * request.values_per_pair();
         unpack.fill(&mut values[start..start + range.pairs() * request.values_per_pair()])
     })?;
     Ok(ComplianceMap::around(request, values))
@@ -122,33 +97,17 @@ pub fn modal_sum_without_low_parts(
 /// order of their bindings, and the workgroups. For tests that run the shader elsewhere; the output is
 /// `[position, pair, frequency]`, (re, im) in um/N.
 #[doc(hidden)]
-pub fn shader_inputs(
-    request: &FrfRequest,
-    kernel: Kernel,
-) -> (String, Params, [Vec<u8>; 3], [u32; 3]) {
+pub fn shader_inputs(request: &FrfRequest, kernel: Kernel) -> (String, Params, [Vec<u8>; 3], [u32; 3]) {
     let packing = Packing::new(request);
     let variant = Variant::new(kernel, Precision::F32, packing.pairs.len());
     let model = Model::new(request, packing, variant.duos);
-    let tile = model.tile(
-        Precision::F32,
-        0..request.positions.len(),
-        request.frequencies,
-    );
+    let tile = model.tile(Precision::F32, 0..request.positions.len(), request.frequencies);
     let chunk = match kernel {
         Kernel::ModalSum => WORKGROUP * variant.ways(),
         Kernel::Metrics => CHUNK,
     };
-    let workgroups = [
-        tile.params.n_frequencies.div_ceil(chunk),
-        tile.params.n_positions,
-        model.groups(variant.duos),
-    ];
-    (
-        variant.source(),
-        tile.params,
-        [tile.frequencies, tile.modes, tile.residual],
-        workgroups,
-    )
+    let workgroups = [tile.params.n_frequencies.div_ceil(chunk), tile.params.n_positions, model.groups(variant.duos)];
+    (variant.source(), tile.params, [tile.frequencies, tile.modes, tile.residual], workgroups)
 }
 
 /// The tiles that the device's limits and the wish for overlap allow.
@@ -161,37 +120,22 @@ pub(super) fn plan(
     first_pair: usize,
 ) -> Result<Vec<TileRange>, GpuError> {
     let total = (request.positions.len() * request.frequencies.len()) as u64 * bytes_per_pair;
-    let tile = (total / TILES)
-        .clamp(SMALL_TILE_BYTES, TILE_BYTES)
-        .min(gpu.max_binding());
+    let tile = (total / TILES).clamp(SMALL_TILE_BYTES, TILE_BYTES).min(gpu.max_binding());
     let reals = model.mode_reals().max(model.residual_reals()) as u64 * precision.bytes();
     let limits = TileLimits {
         pairs: (tile / bytes_per_pair) as usize,
-        positions: gpu
-            .max_workgroups()
-            .min((gpu.max_binding() / reals.max(1)) as usize),
+        positions: gpu.max_workgroups().min((gpu.max_binding() / reals.max(1)) as usize),
         frequencies: gpu.max_workgroups() * WORKGROUP as usize,
     };
-    let too_large = |what, needed, allowed| {
-        Err(GpuError::TooLarge {
-            adapter: gpu.adapter().name.clone(),
-            what,
-            needed,
-            allowed,
-        })
-    };
+    let too_large =
+        |what, needed, allowed| Err(GpuError::TooLarge { adapter: gpu.adapter().name.clone(), what, needed, allowed });
     if limits.positions == 0 {
         return too_large("the modal model", reals, gpu.max_binding());
     }
     if limits.pairs == 0 {
         return too_large("one frequency's values", bytes_per_pair, tile);
     }
-    Ok(tiles(
-        request.positions.len(),
-        request.frequencies.len(),
-        first_pair,
-        limits,
-    ))
+    Ok(tiles(request.positions.len(), request.frequencies.len(), first_pair, limits))
 }
 
 fn run(
@@ -221,24 +165,14 @@ fn run(
                     model.groups(variant.duos),
                 ];
                 let bytes = range.pairs() as u64 * bytes_per_pair;
-                Some((
-                    range,
-                    i % 2,
-                    slots[i % 2].submit(gpu, &pipeline, &tile, workgroups, bytes)?,
-                ))
+                Some((range, i % 2, slots[i % 2].submit(gpu, &pipeline, &tile, workgroups, bytes)?))
             }
         };
         if let Some((range, slot, tile)) = std::mem::replace(&mut flying, next) {
             slots[slot].read(gpu, tile, |bytes| {
                 deliver(
                     range,
-                    &Unpack {
-                        adapter: &gpu.adapter().name,
-                        bytes,
-                        precision,
-                        packing: &model.packing,
-                        range,
-                    },
+                    &Unpack { adapter: &gpu.adapter().name, bytes, precision, packing: &model.packing, range },
                 )
             })?;
         }
@@ -265,10 +199,7 @@ impl Unpack<'_> {
         }
     }
 
-    fn convert<T: Pod + Into<f64> + Sync>(
-        &self,
-        values: &mut [Complex<f64>],
-    ) -> Result<(), GpuError> {
+    fn convert<T: Pod + Into<f64> + Sync>(&self, values: &mut [Complex<f64>]) -> Result<(), GpuError> {
         /// Frequencies whose values stay in the first cache together.
         const BLOCK: usize = 128;
         let read: &[[T; 2]] = bytemuck::cast_slice(self.bytes);
@@ -289,9 +220,7 @@ impl Unpack<'_> {
                         row[value] = Complex::new((*re).into() * MICRON, (*im).into() * MICRON);
                     }
                 }
-                let bad = values
-                    .iter()
-                    .position(|x| !(x.re.is_finite() && x.im.is_finite()));
+                let bad = values.iter().position(|x| !(x.re.is_finite() && x.im.is_finite()));
                 bad.map(|at| (position, first + at / n_values))
             });
         match bad {

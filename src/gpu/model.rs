@@ -42,11 +42,7 @@ impl<'a> Model<'a> {
     pub fn new(request: &FrfRequest<'a>, packing: Packing, duos: u32) -> Model<'a> {
         let systems = request.systems;
         let highest = request.frequencies[request.frequencies.len() - 1];
-        let scale = if highest > 0.0 {
-            highest.log2().ceil().exp2()
-        } else {
-            1.0
-        };
+        let scale = if highest > 0.0 { highest.log2().ceil().exp2() } else { 1.0 };
         let n_pairs = packing.pairs.len();
         Model {
             scale,
@@ -75,12 +71,7 @@ impl<'a> Model<'a> {
     }
 
     /// Packs a tile.
-    pub fn tile(
-        &self,
-        precision: Precision,
-        positions: std::ops::Range<usize>,
-        frequencies: &[f64],
-    ) -> TileModel {
+    pub fn tile(&self, precision: Precision, positions: std::ops::Range<usize>, frequencies: &[f64]) -> TileModel {
         let params = Params {
             n_frequencies: frequencies.len() as u32,
             n_positions: positions.len() as u32,
@@ -91,29 +82,13 @@ impl<'a> Model<'a> {
             power: self.power,
             zero: 0,
         };
-        let systems: Vec<_> = self.systems[positions]
-            .par_iter()
-            .map(|s| PackedSystem::new(s, &self.packing))
-            .collect();
-        let mut out = [
-            Reals::new(precision),
-            Reals::new(precision),
-            Reals::new(precision),
-        ];
-        frequencies
-            .iter()
-            .for_each(|f| out[0].push_split(f / self.scale));
+        let systems: Vec<_> = self.systems[positions].par_iter().map(|s| PackedSystem::new(s, &self.packing)).collect();
+        let mut out = [Reals::new(precision), Reals::new(precision), Reals::new(precision)];
+        frequencies.iter().for_each(|f| out[0].push_split(f / self.scale));
         systems.iter().for_each(|s| self.push_modes(s, &mut out[1]));
-        systems
-            .iter()
-            .for_each(|s| self.push_residual(s, &mut out[2]));
+        systems.iter().for_each(|s| self.push_residual(s, &mut out[2]));
         let [frequencies, modes, residual] = out.map(|reals| reals.bytes);
-        TileModel {
-            params,
-            frequencies,
-            modes,
-            residual,
-        }
+        TileModel { params, frequencies, modes, residual }
     }
 
     /// What turns m/N into the device's unit.
@@ -125,11 +100,7 @@ impl<'a> Model<'a> {
         let n_pairs = self.packing.pairs.len();
         let square = self.scale * self.scale;
         let unit = self.unit() / square;
-        for (mode, residues) in system
-            .modes
-            .iter()
-            .zip(system.residues.chunks_exact(n_pairs))
-        {
+        for (mode, residues) in system.modes.iter().zip(system.residues.chunks_exact(n_pairs)) {
             out.push_split(mode.frequency / self.scale);
             out.push(mode.viscous / self.scale);
             out.push(mode.loss / square);
@@ -148,10 +119,7 @@ impl<'a> Model<'a> {
         for k in 0..self.n_degrees {
             let unit = self.unit() * self.scale.powi(k as i32);
             let at = |pair: usize| {
-                let c = system
-                    .residual
-                    .get(k * n_pairs + pair)
-                    .filter(|_| pair < n_pairs);
+                let c = system.residual.get(k * n_pairs + pair).filter(|_| pair < n_pairs);
                 c.map_or((0.0, 0.0), |c| (c.re * unit, c.im * unit))
             };
             for duo in 0..self.n_duos {
@@ -170,10 +138,7 @@ struct Reals {
 
 impl Reals {
     fn new(precision: Precision) -> Reals {
-        Reals {
-            precision,
-            bytes: Vec::new(),
-        }
+        Reals { precision, bytes: Vec::new() }
     }
 
     fn push(&mut self, x: f64) {

@@ -50,33 +50,21 @@ pub fn check(gpu: &Gpu, precision: Precision) -> Result<TrustFigures, GpuError> 
     let request = case.request();
     let map = modal_sum(gpu, &request, precision)?;
     let figures = figures(&request, &map, precision, start)?;
-    let inaccurate = |what, figure, bound| {
-        Err(GpuError::Inaccurate {
-            adapter: gpu.adapter().name.clone(),
-            what,
-            figure,
-            bound,
-        })
-    };
+    let inaccurate =
+        |what, figure, bound| Err(GpuError::Inaccurate { adapter: gpu.adapter().name.clone(), what, figure, bound });
     let exceeds = |figure: f64, bound: f64| figure.is_nan() || figure > bound;
     if exceeds(figures.entry, figures.entry_bound) {
         return inaccurate("of an entry's terms", figures.entry, figures.entry_bound);
     }
     if exceeds(figures.frobenius, figures.frobenius_bound) {
-        return inaccurate(
-            "Frobenius difference",
-            figures.frobenius,
-            figures.frobenius_bound,
-        );
+        return inaccurate("Frobenius difference", figures.frobenius, figures.frobenius_bound);
     }
     Ok(figures)
 }
 
 /// The figures of any map of the look's request; for tests, which feed it a broken one.
 #[doc(hidden)]
-pub fn figures_of(
-    map: impl FnOnce(&FrfRequest) -> Result<ComplianceMap, GpuError>,
-) -> Result<TrustFigures, GpuError> {
+pub fn figures_of(map: impl FnOnce(&FrfRequest) -> Result<ComplianceMap, GpuError>) -> Result<TrustFigures, GpuError> {
     let case = Case::new();
     let map = map(&case.request())?;
     figures(&case.request(), &map, Precision::F32, Instant::now())
@@ -98,23 +86,14 @@ fn figures(
             for (d, m) in difference.iter().zip(magnitudes.iter()) {
                 entry = worst(entry, d.norm() / m);
             }
-            let norm =
-                |m: &DMatrix<Complex<f64>>| m.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
+            let norm = |m: &DMatrix<Complex<f64>>| m.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
             frobenius = worst(frobenius, norm(&difference) / norm(&exact));
         }
     }
     let (entry_bound, frobenius_bound) = bounds(precision);
     let pairs = request.positions.len() * request.frequencies.len();
     let seconds = start.elapsed().as_secs_f64();
-    Ok(TrustFigures {
-        precision,
-        pairs,
-        entry,
-        entry_bound,
-        frobenius,
-        frobenius_bound,
-        seconds,
-    })
+    Ok(TrustFigures { precision, pairs, entry, entry_bound, frobenius, frobenius_bound, seconds })
 }
 
 /// The larger; NaN wins.
@@ -148,29 +127,16 @@ impl Case {
     fn new() -> Case {
         const DAMPINGS: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
         // Frequencies that no f32 holds, and shapes without pattern, from irrational multiples.
-        let natural: Vec<f64> = (0..12)
-            .map(|r| 14.1 * 1.431f64.powi(r) * (1.0 + 0.01 * (r as f64).sin()))
-            .collect();
+        let natural: Vec<f64> = (0..12).map(|r| 14.1 * 1.431f64.powi(r) * (1.0 + 0.01 * (r as f64).sin())).collect();
         let systems: Vec<ModalSystem> = (0..2)
             .map(|p| {
-                let shapes = DMatrix::from_fn(3, 12, |i, r| {
-                    0.05 * (1.7 * (1 + i + 3 * r + 40 * p) as f64).sin()
-                });
+                let shapes = DMatrix::from_fn(3, 12, |i, r| 0.05 * (1.7 * (1 + i + 3 * r + 40 * p) as f64).sin());
                 let structural = p == 1;
                 let damping: Vec<f64> = (0..12).map(|r| DAMPINGS[(r + p) % 4]).collect();
                 ModalSystem {
-                    frequencies: natural
-                        .iter()
-                        .map(|f| f * (1.0 + 1e-3 * p as f64))
-                        .collect(),
-                    damping_ratios: damping
-                        .iter()
-                        .map(|z| if structural { z / 2.0 } else { *z })
-                        .collect(),
-                    loss_factors: damping
-                        .iter()
-                        .map(|z| if structural { *z } else { 0.0 })
-                        .collect(),
+                    frequencies: natural.iter().map(|f| f * (1.0 + 1e-3 * p as f64)).collect(),
+                    damping_ratios: damping.iter().map(|z| if structural { z / 2.0 } else { *z }).collect(),
+                    loss_factors: damping.iter().map(|z| if structural { *z } else { 0.0 }).collect(),
                     residual: vec![DMatrix::from_diagonal_element(3, 3, Complex::from(1e-9)); p],
                     outputs: shapes.clone(),
                     inputs: shapes,
@@ -180,17 +146,11 @@ impl Case {
         let mut frequencies: Vec<f64> = systems
             .iter()
             .flat_map(|s| &s.frequencies)
-            .flat_map(|f| {
-                [0.0, 1e-7, -1e-6, 1e-5, -1e-4, 1e-3, 1e-2, -1e-1].map(|offset| f * (1.0 + offset))
-            })
+            .flat_map(|f| [0.0, 1e-7, -1e-6, 1e-5, -1e-4, 1e-3, 1e-2, -1e-1].map(|offset| f * (1.0 + offset)))
             .collect();
         frequencies.sort_by(f64::total_cmp);
         frequencies.dedup();
-        Case {
-            systems,
-            frequencies,
-            names: ["x", "y", "z"].map(String::from).to_vec(),
-        }
+        Case { systems, frequencies, names: ["x", "y", "z"].map(String::from).to_vec() }
     }
 
     fn request(&self) -> FrfRequest<'_> {

@@ -17,10 +17,7 @@ impl Split {
     /// Splits an f64.
     pub fn new(x: f64) -> Split {
         let high = x as f32;
-        Split {
-            high,
-            low: (x - f64::from(high)) as f32,
-        }
+        Split { high, low: (x - f64::from(high)) as f32 }
     }
 
     /// `self - other`: the high parts' difference is exact near a resonance, and the low parts restore what f32 lost.
@@ -33,13 +30,7 @@ impl Split {
 ///
 /// # Accuracy
 /// 8 eps sum_r |term_r|, as [`super::modal_sum`].
-pub fn entry(
-    request: &FrfRequest,
-    position: usize,
-    frequency: usize,
-    output: usize,
-    input: usize,
-) -> Complex<f64> {
+pub fn entry(request: &FrfRequest, position: usize, frequency: usize, output: usize, input: usize) -> Complex<f64> {
     let packing = Packing::new(request);
     let system = PackedSystem::new(&request.systems[position], &packing);
     let n_pairs = packing.pairs.len();

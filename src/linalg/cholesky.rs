@@ -6,7 +6,8 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Side, Spec};
@@ -55,7 +56,12 @@ impl Cholesky {
         let par = inner_parallelism();
         let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, par));
         let rhs = MatMut::from_column_major_slice_mut(x.as_mut_slice(), n, columns);
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, rhs, par, MemStack::new(&mut memory));
+        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            rhs,
+            par,
+            MemStack::new(&mut memory),
+        );
         x
     }
 
@@ -129,7 +135,11 @@ impl Indefinite {
 }
 
 /// Negative eigenvalues of the block diagonal factor B.
-fn count_negative_pivots(symbolic: &SymbolicCholesky<usize>, values: &[f64], subdiagonal: &[f64]) -> Result<usize, LinalgError> {
+fn count_negative_pivots(
+    symbolic: &SymbolicCholesky<usize>,
+    values: &[f64],
+    subdiagonal: &[f64],
+) -> Result<usize, LinalgError> {
     let n = symbolic.nrows();
     let SymbolicCholeskyRaw::Supernodal(structure) = symbolic.raw() else {
         unreachable!("the analysis asks for supernodes");
@@ -154,7 +164,10 @@ fn count_negative_pivots(symbolic: &SymbolicCholesky<usize>, values: &[f64], sub
             } else {
                 let determinant = d * diagonal(j + 1) - below * below;
                 if singular(determinant) {
-                    return Err(LinalgError::Factorisation { n, reason: format!("2 x 2 pivot of determinant {determinant}") });
+                    return Err(LinalgError::Factorisation {
+                        n,
+                        reason: format!("2 x 2 pivot of determinant {determinant}"),
+                    });
                 }
                 negative += if determinant < 0.0 { 1 } else { 2 * usize::from(d < 0.0) };
                 j += 2;
@@ -178,10 +191,15 @@ fn analyse(a: &SparseSymmetric, ordering: &Ordering) -> Result<SymbolicCholesky<
 
 /// faer's view of the matrix, by columns (rows and columns are the same).
 fn view(a: &SparseSymmetric) -> SparseColMatRef<'_, usize, f64> {
-    SparseColMatRef::new(SymbolicSparseColMatRef::new_checked(a.n(), a.n(), a.row_starts(), None, a.columns()), a.values())
+    SparseColMatRef::new(
+        SymbolicSparseColMatRef::new_checked(a.n(), a.n(), a.row_starts(), None, a.columns()),
+        a.values(),
+    )
 }
 
 fn workspace(n: usize, request: faer::dyn_stack::StackReq) -> Result<MemBuffer, LinalgError> {
-    MemBuffer::try_new(request)
-        .map_err(|_| LinalgError::Factorisation { n, reason: format!("no memory for {} bytes of workspace", request.size_bytes()) })
+    MemBuffer::try_new(request).map_err(|_| LinalgError::Factorisation {
+        n,
+        reason: format!("no memory for {} bytes of workspace", request.size_bytes()),
+    })
 }

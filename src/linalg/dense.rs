@@ -1,10 +1,10 @@
 //! Dense products, symmetric eigenproblem and rank-revealing orthonormalisation.
 
 use super::LinalgError;
+use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::matmul::matmul;
-use faer::diag::DiagMut;
 use faer::prelude::Solve;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use nalgebra::{DMatrix, DVector};
@@ -58,7 +58,8 @@ pub fn symmetric_eigen_polished(a: &DMatrix<f64>, polished: usize) -> Result<Sym
     let n = square(a)?;
     let failed = || LinalgError::Eigen { n };
     let (mut values, mut vectors) = (DVector::zeros(n), DMatrix::zeros(n, n));
-    let mut memory = MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default()));
+    let mut memory =
+        MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default()));
     self_adjoint_evd(
         view(a),
         DiagMut::from_slice_mut(values.as_mut_slice()),
@@ -204,7 +205,8 @@ pub fn independent_directions(gram: &DMatrix<f64>, tolerance: f64) -> Result<DMa
     let eigen = symmetric_eigen(&unit)?;
     let largest = eigen.values.iter().copied().fold(0.0, f64::max);
     // Strongest first, so that a reader of the basis meets the important directions first.
-    let kept: Vec<usize> = (0..n).rev().filter(|&k| eigen.values[k] > tolerance * largest && eigen.values[k] > 0.0).collect();
+    let kept: Vec<usize> =
+        (0..n).rev().filter(|&k| eigen.values[k] > tolerance * largest && eigen.values[k] > 0.0).collect();
     Ok(DMatrix::from_fn(n, kept.len(), |i, k| {
         let k = kept[k];
         scale[i] * eigen.vectors[(i, k)] / eigen.values[k].sqrt()

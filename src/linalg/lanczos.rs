@@ -81,7 +81,13 @@ pub fn lowest_modes(
         }
         if dimension > largest_dimension {
             let converged = theta.len().min(krylov.converged(&vectors, &theta, tolerance));
-            return Err(LinalgError::NotConverged { wanted: modes, converged, dimension, residual: worst.min(estimate), tolerance });
+            return Err(LinalgError::NotConverged {
+                wanted: modes,
+                converged,
+                dimension,
+                residual: worst.min(estimate),
+                tolerance,
+            });
         }
     }
 }
@@ -138,7 +144,11 @@ impl Krylov {
 
     /// Applies the operator to the newest block, extends the projection, appends what is new;
     /// false when the space is exhausted.
-    fn advance(&mut self, mass: &SparseSymmetric, inverse: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>) -> Result<bool, LinalgError> {
+    fn advance(
+        &mut self,
+        mass: &SparseSymmetric,
+        inverse: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
+    ) -> Result<bool, LinalgError> {
         let Some(load) = self.pending.take() else { return Ok(false) };
         let mut image = inverse(&load);
         let (old, added) = (self.dimension(), load.ncols());

@@ -58,7 +58,10 @@ impl SparseSymmetric {
         let mut out = DMatrix::<f64>::zeros(self.n, x.ncols());
         if self.n > 0 {
             let panel = PANEL * self.n;
-            out.as_mut_slice().par_chunks_mut(panel).zip(x.as_slice().par_chunks(panel)).for_each(|(out, x)| self.multiply_panel(x, out));
+            out.as_mut_slice()
+                .par_chunks_mut(panel)
+                .zip(x.as_slice().par_chunks(panel))
+                .for_each(|(out, x)| self.multiply_panel(x, out));
         }
         out
     }

@@ -15,21 +15,12 @@ const DEFAULT_MODES: usize = 30;
 const MOST_FREQUENCIES: f64 = 1_000_000.0;
 
 pub(super) fn read_analysis(root: &Table<'_>) -> Result<Analysis> {
-    let table = root
-        .need(
-            "analysis",
-            "an [analysis] section with frequencies and damping",
-        )?
-        .table()?;
-    let component = table
-        .get("component")
-        .map(|item| read_component(&item))
-        .transpose()?;
+    let table = root.need("analysis", "an [analysis] section with frequencies and damping")?.table()?;
+    let component = table.get("component").map(|item| read_component(&item)).transpose()?;
     let modes = table.get("modes").map(|item| item.count()).transpose()?;
-    let frequencies = read_frequencies(&table.need(
-        "frequencies",
-        "frequencies = { from = \"0 Hz\", to = \"900 Hz\", step = \"1 Hz\" }",
-    )?)?;
+    let frequencies = read_frequencies(
+        &table.need("frequencies", "frequencies = { from = \"0 Hz\", to = \"900 Hz\", step = \"1 Hz\" }")?,
+    )?;
     let damping = read_damping(&table.need("damping", "damping = { ratio = 0.02 }")?)?;
     table.finish()?;
     Ok(Analysis {
@@ -75,11 +66,7 @@ fn read_component(item: &Item<'_>) -> Result<ComponentAnalysis> {
 
 /// A range `{ from, to, step }` or an ascending list.
 fn read_frequencies(item: &Item<'_>) -> Result<Vec<f64>> {
-    if item.is_table() {
-        read_range(item)
-    } else {
-        read_list(item)
-    }
+    if item.is_table() { read_range(item) } else { read_list(item) }
 }
 
 fn read_range(item: &Item<'_>) -> Result<Vec<f64>> {
@@ -96,15 +83,12 @@ fn read_range(item: &Item<'_>) -> Result<Vec<f64>> {
     }
     let intervals = (to - from) / step;
     if intervals > MOST_FREQUENCIES {
-        let allowed =
-            format!("a step that divides the range into at most {MOST_FREQUENCIES} intervals");
+        let allowed = format!("a step that divides the range into at most {MOST_FREQUENCIES} intervals");
         return Err(step_item.refuse(allowed, "make the step larger"));
     }
     // A last step that misses `to` by rounding alone still reaches it.
     let count = (intervals * (1.0 + 1e-9)).floor() as usize;
-    let mut grid: Vec<f64> = (0..=count)
-        .map(|i| (from + step * i as f64).min(to))
-        .collect();
+    let mut grid: Vec<f64> = (0..=count).map(|i| (from + step * i as f64).min(to)).collect();
     if grid.last().is_some_and(|last| to - last > 1e-9 * step) {
         grid.push(to);
     }
@@ -120,10 +104,7 @@ fn read_list(item: &Item<'_>) -> Result<Vec<f64>> {
     for entry in item.list()? {
         let frequency = entry.quantity(Dimension::Frequency, Bound::NotNegative)?;
         if let Some(&last) = list.last().filter(|&&last| frequency <= last) {
-            return Err(entry.refuse(
-                format!("more than the one before, {last} Hz"),
-                "put them in ascending order",
-            ));
+            return Err(entry.refuse(format!("more than the one before, {last} Hz"), "put them in ascending order"));
         }
         list.push(frequency);
     }
@@ -136,30 +117,17 @@ fn read_list(item: &Item<'_>) -> Result<Vec<f64>> {
 fn read_damping(item: &Item<'_>) -> Result<Damping> {
     let table = item.table()?;
     let (one, many) = (table.get("ratio"), table.get("ratios"));
-    let rayleigh = table
-        .get("rayleigh")
-        .map(|item| read_rayleigh(&item))
-        .transpose()?;
-    let loss_factor = table
-        .get("loss_factor")
-        .map(|item| read_loss_factor(&item))
-        .transpose()?;
+    let rayleigh = table.get("rayleigh").map(|item| read_rayleigh(&item)).transpose()?;
+    let loss_factor = table.get("loss_factor").map(|item| read_loss_factor(&item)).transpose()?;
     let ratios = match (&one, &many) {
         (Some(_), Some(many)) => {
             return Err(many.refuse("either `ratio` or `ratios`", "remove one of them"));
         }
         (Some(one), None) => vec![read_ratio(one)?],
         (None, Some(many)) => {
-            let ratios = many
-                .list()?
-                .iter()
-                .map(read_ratio)
-                .collect::<Result<Vec<_>>>()?;
+            let ratios = many.list()?.iter().map(read_ratio).collect::<Result<Vec<_>>>()?;
             if ratios.is_empty() {
-                return Err(many.refuse(
-                    "one ratio a mode",
-                    "give at least one; the last holds for all further modes",
-                ));
+                return Err(many.refuse("one ratio a mode", "give at least one; the last holds for all further modes"));
             }
             ratios
         }
@@ -174,11 +142,7 @@ fn read_damping(item: &Item<'_>) -> Result<Damping> {
         ));
     }
     let ratios = if ratios.is_empty() { vec![0.0] } else { ratios };
-    Ok(Damping {
-        ratios,
-        rayleigh,
-        loss_factor: loss_factor.unwrap_or(0.0),
-    })
+    Ok(Damping { ratios, rayleigh, loss_factor: loss_factor.unwrap_or(0.0) })
 }
 
 fn read_ratio(item: &Item<'_>) -> Result<f64> {
@@ -186,20 +150,13 @@ fn read_ratio(item: &Item<'_>) -> Result<f64> {
     if (0.0..1.0).contains(&zeta) {
         return Ok(zeta);
     }
-    Err(item.refuse(
-        "a damping ratio from 0 to less than 1",
-        "write 0.02 or \"2 %\" for two per cent",
-    ))
+    Err(item.refuse("a damping ratio from 0 to less than 1", "write 0.02 or \"2 %\" for two per cent"))
 }
 
 fn read_rayleigh(item: &Item<'_>) -> Result<[f64; 2]> {
     let table = item.table()?;
-    let alpha = table
-        .need("alpha", "alpha = \"10 1/s\"")?
-        .quantity(Dimension::InverseTime, Bound::NotNegative)?;
-    let beta = table
-        .need("beta", "beta = \"1e-5 s\"")?
-        .quantity(Dimension::Time, Bound::NotNegative)?;
+    let alpha = table.need("alpha", "alpha = \"10 1/s\"")?.quantity(Dimension::InverseTime, Bound::NotNegative)?;
+    let beta = table.need("beta", "beta = \"1e-5 s\"")?.quantity(Dimension::Time, Bound::NotNegative)?;
     table.finish()?;
     Ok([alpha, beta])
 }

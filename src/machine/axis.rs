@@ -11,17 +11,11 @@ type Result<T> = std::result::Result<T, MachineError>;
 const MOST_POSITIONS: f64 = 100_000.0;
 
 /// The global axes by name.
-pub(super) const GLOBAL_AXES: [(&str, [f64; 3]); 3] = [
-    ("x", [1.0, 0.0, 0.0]),
-    ("y", [0.0, 1.0, 0.0]),
-    ("z", [0.0, 0.0, 1.0]),
-];
+pub(super) const GLOBAL_AXES: [(&str, [f64; 3]); 3] =
+    [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])];
 
 pub(super) fn read_axis(root: &Table<'_>, parts: &[Part]) -> Result<Axis> {
-    let axes = root.need(
-        "axes",
-        "an [axes.NAME] section with direction, travel, step and moves",
-    )?;
+    let axes = root.need("axes", "an [axes.NAME] section with direction, travel, step and moves")?;
     let entries = axes.table()?.entries()?;
     let [(name, item)] = entries.as_slice() else {
         let names: Vec<&str> = entries.iter().map(|(name, _)| *name).collect();
@@ -35,10 +29,7 @@ pub(super) fn read_axis(root: &Table<'_>, parts: &[Part]) -> Result<Axis> {
     let direction = read_direction(&table.need("direction", "direction = [0, 0, 1]")?)?;
     let travel_item = table.need("travel", "travel = [\"0 mm\", \"-600 mm\"]")?;
     let [from, to] = travel_item.array()?;
-    let travel = [
-        from.quantity(Dimension::Length, Bound::Any)?,
-        to.quantity(Dimension::Length, Bound::Any)?,
-    ];
+    let travel = [from.quantity(Dimension::Length, Bound::Any)?, to.quantity(Dimension::Length, Bound::Any)?];
     let step_item = table.need("step", "step = \"5 mm\"")?;
     let step = step_item.quantity(Dimension::Length, Bound::Positive)?;
     let length = (travel[1] - travel[0]).abs();
@@ -57,13 +48,7 @@ pub(super) fn read_axis(root: &Table<'_>, parts: &[Part]) -> Result<Axis> {
         ));
     }
     table.finish()?;
-    Ok(Axis {
-        name: (*name).to_owned(),
-        direction,
-        travel,
-        step,
-        moves,
-    })
+    Ok(Axis { name: (*name).to_owned(), direction, travel, step, moves })
 }
 
 fn read_moves(item: &Item<'_>, parts: &[Part]) -> Result<Vec<bool>> {
@@ -74,11 +59,7 @@ fn read_moves(item: &Item<'_>, parts: &[Part]) -> Result<Vec<bool>> {
         let part = find_name(&entry, "part", name, &names)?;
         if std::mem::replace(&mut moves[part], true) {
             let place = entry.place();
-            return Err(MachineError::Duplicate {
-                place,
-                kind: "part",
-                name: name.to_owned(),
-            });
+            return Err(MachineError::Duplicate { place, kind: "part", name: name.to_owned() });
         }
     }
     Ok(moves)
@@ -90,9 +71,7 @@ pub(super) fn read_direction(item: &Item<'_>) -> Result<[f64; 3]> {
     if item.is_text() {
         let name = item.text()?;
         let known = GLOBAL_AXES.iter().find(|(axis, _)| *axis == name);
-        return known
-            .map(|(_, v)| *v)
-            .ok_or_else(|| item.refuse(ALLOWED, "write one of them"));
+        return known.map(|(_, v)| *v).ok_or_else(|| item.refuse(ALLOWED, "write one of them"));
     }
     if !item.is_list() {
         return Err(item.refuse(ALLOWED, "write one of them"));

@@ -3,29 +3,11 @@
 /// File name and content of every file that the bundled vertical mill needs.
 pub fn bundled_vertical_mill() -> &'static [(&'static str, &'static str)] {
     &[
-        (
-            "machine.toml",
-            include_str!("../../machines/vertical_mill/machine.toml"),
-        ),
-        (
-            "column.inp",
-            include_str!("../../machines/vertical_mill/column.inp"),
-        ),
-        (
-            "headstock.inp",
-            include_str!("../../machines/vertical_mill/headstock.inp"),
-        ),
-        (
-            "spindle.inp",
-            include_str!("../../machines/vertical_mill/spindle.inp"),
-        ),
-        (
-            "drive.inp",
-            include_str!("../../machines/vertical_mill/drive.inp"),
-        ),
-        (
-            "magazine.inp",
-            include_str!("../../machines/vertical_mill/magazine.inp"),
-        ),
+        ("machine.toml", include_str!("../../machines/vertical_mill/machine.toml")),
+        ("column.inp", include_str!("../../machines/vertical_mill/column.inp")),
+        ("headstock.inp", include_str!("../../machines/vertical_mill/headstock.inp")),
+        ("spindle.inp", include_str!("../../machines/vertical_mill/spindle.inp")),
+        ("drive.inp", include_str!("../../machines/vertical_mill/drive.inp")),
+        ("magazine.inp", include_str!("../../machines/vertical_mill/magazine.inp")),
     ]
 }

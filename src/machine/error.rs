@@ -19,11 +19,7 @@ pub struct Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.file.display(), self.line)?;
-        if self.key.is_empty() {
-            Ok(())
-        } else {
-            write!(f, ": {}", self.key)
-        }
+        if self.key.is_empty() { Ok(()) } else { write!(f, ": {}", self.key) }
     }
 }
 
@@ -65,10 +61,7 @@ pub enum MachineError {
         allowed: Vec<&'static str>,
     },
     /// A key that must be there is not.
-    #[error(
-        "{place}: the key `{key}` is missing{}; add {expected}",
-        found_instead(found)
-    )]
+    #[error("{place}: the key `{key}` is missing{}; add {expected}", found_instead(found))]
     MissingKey {
         /// The table that lacks it.
         place: Box<Place>,
@@ -100,11 +93,7 @@ pub enum MachineError {
         source: QuantityError,
     },
     /// A reference to something that does not exist.
-    #[error(
-        "{place}: no {kind} is called {name:?}{}; existing: {}",
-        did_you_mean(nearest),
-        listed(existing)
-    )]
+    #[error("{place}: no {kind} is called {name:?}{}; existing: {}", did_you_mean(nearest), listed(existing))]
     UnknownName {
         /// Where.
         place: Box<Place>,
@@ -118,9 +107,7 @@ pub enum MachineError {
         existing: Vec<String>,
     },
     /// A name given twice.
-    #[error(
-        "{place}: {name:?} is given twice; allowed: each {kind} once; rename or remove one of them"
-    )]
+    #[error("{place}: {name:?} is given twice; allowed: each {kind} once; rename or remove one of them")]
     Duplicate {
         /// Where the second one stands.
         place: Box<Place>,
@@ -142,21 +129,13 @@ pub enum MachineError {
 }
 
 fn did_you_mean(nearest: &Option<String>) -> String {
-    nearest
-        .as_ref()
-        .map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
+    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
 }
 
 fn found_instead(found: &Option<String>) -> String {
-    found.as_ref().map_or_else(String::new, |key| {
-        format!(" (is `{key}` a misspelling of it?)")
-    })
+    found.as_ref().map_or_else(String::new, |key| format!(" (is `{key}` a misspelling of it?)"))
 }
 
 fn listed(names: &[String]) -> String {
-    if names.is_empty() {
-        "none".to_owned()
-    } else {
-        names.join(", ")
-    }
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

@@ -4,9 +4,7 @@ use super::axis::{are_parallel, read_direction, read_point};
 use super::error::MachineError;
 use super::interfaces::read_interface_ref;
 use super::joints::{Surroundings, read_between};
-use super::model::{
-    Joint, JointKind, JointPoint, Motion, Spring, SpringStiffness, SurfaceCoupling,
-};
+use super::model::{Joint, JointKind, JointPoint, Motion, Spring, SpringStiffness, SurfaceCoupling};
 use super::quantity::Dimension;
 use super::springs::{Way, global_ways, read_damper, read_single_spring, read_springs};
 use super::table::{Bound, Table};
@@ -14,21 +12,8 @@ use super::table::{Bound, Table};
 type Result<T> = std::result::Result<T, MachineError>;
 
 /// A joint of this kind, whose name and loss factor the caller fills in.
-fn joint(
-    kind: JointKind,
-    between: [super::model::InterfaceRef; 2],
-    at: JointPoint,
-    springs: Vec<Spring>,
-) -> Joint {
-    Joint {
-        name: String::new(),
-        kind,
-        between,
-        footprint: None,
-        at,
-        springs,
-        loss_factor: None,
-    }
+fn joint(kind: JointKind, between: [super::model::InterfaceRef; 2], at: JointPoint, springs: Vec<Spring>) -> Joint {
+    Joint { name: String::new(), kind, between, footprint: None, at, springs, loss_factor: None }
 }
 
 /// A carriage on a rail: springs at the centroid of the carriage's surface.
@@ -44,36 +29,21 @@ pub(super) fn read_linear_guide(table: &Table<'_>, around: &Surroundings<'_>) ->
             "remove coupling = \"rigid\" from that interface: the footprint moves along the rail, a rigid rail would not bend",
         ));
     }
-    let footprint = table
-        .need("footprint", "footprint = \"90 mm\"")?
-        .quantity(Dimension::Length, Bound::Positive)?;
+    let footprint = table.need("footprint", "footprint = \"90 mm\"")?.quantity(Dimension::Length, Bound::Positive)?;
     let ways = global_ways();
     let springs = read_springs(table, &ways)?;
     let holds = |spring: &&Spring| {
         let along = are_parallel(spring.direction, around.axis.direction);
-        spring.motion == Motion::Translation
-            && along
-            && spring.stiffness != SpringStiffness::Constant(0.0)
+        spring.motion == Motion::Translation && along && spring.stiffness != SpringStiffness::Constant(0.0)
     };
     if let Some(spring) = springs.iter().find(holds) {
         return Err(table.need("stiffness", "")?.refuse(
-            format!(
-                "no stiffness along {}, the direction of travel",
-                spring.label
-            ),
+            format!("no stiffness along {}, the direction of travel", spring.label),
             "remove it: a guide slides freely; what holds the position is the ball screw",
         ));
     }
-    let joint = joint(
-        JointKind::LinearGuide,
-        [rail, carriage],
-        JointPoint::Centroid(1),
-        springs,
-    );
-    Ok(Joint {
-        footprint: Some(footprint),
-        ..joint
-    })
+    let joint = joint(JointKind::LinearGuide, [rail, carriage], JointPoint::Centroid(1), springs);
+    Ok(Joint { footprint: Some(footprint), ..joint })
 }
 
 /// A bearing: `radial` in two perpendicular directions, `axial` along its axis, at a point of it.
@@ -84,24 +54,11 @@ pub(super) fn read_bearing(table: &Table<'_>, around: &Surroundings<'_>) -> Resu
     let at = read_point(&table.need("at", "at = [\"0 mm\", \"0 mm\", \"100 mm\"]")?)?;
     let [u, v] = perpendicular(axis);
     let ways = [
-        Way {
-            key: "radial",
-            motion: Motion::Translation,
-            springs: vec![("radial 1", u), ("radial 2", v)],
-        },
-        Way {
-            key: "axial",
-            motion: Motion::Translation,
-            springs: vec![("axial", axis)],
-        },
+        Way { key: "radial", motion: Motion::Translation, springs: vec![("radial 1", u), ("radial 2", v)] },
+        Way { key: "axial", motion: Motion::Translation, springs: vec![("axial", axis)] },
     ];
     let springs = read_springs(table, &ways)?;
-    Ok(joint(
-        JointKind::Bearing,
-        between,
-        JointPoint::Point(at),
-        springs,
-    ))
+    Ok(joint(JointKind::Bearing, between, JointPoint::Point(at), springs))
 }
 
 /// A ball screw: one spring along its axis, E pi D^2 / (4 L), at the centroid of the nut.
@@ -111,22 +68,12 @@ pub(super) fn read_ball_screw(table: &Table<'_>, around: &Surroundings<'_>) -> R
     let axis_item = table.need("axis", "axis = \"z\"")?;
     let direction = read_direction(&axis_item)?;
     if !are_parallel(direction, around.axis.direction) {
-        let allowed = format!(
-            "the direction of the axis of travel, {:?}",
-            around.axis.direction
-        );
+        let allowed = format!("the direction of the axis of travel, {:?}", around.axis.direction);
         return Err(axis_item.refuse(allowed, "a screw lies along the travel it drives"));
     }
-    let young = table
-        .need("young", "young = \"210 GPa\"")?
-        .quantity(Dimension::Pressure, Bound::Positive)?;
-    let diameter = table
-        .need("diameter", "diameter = \"40 mm\"")?
-        .quantity(Dimension::Length, Bound::Positive)?;
-    let damping = table
-        .get("damping")
-        .map(|item| read_damper(&item, Motion::Translation))
-        .transpose()?;
+    let young = table.need("young", "young = \"210 GPa\"")?.quantity(Dimension::Pressure, Bound::Positive)?;
+    let diameter = table.need("diameter", "diameter = \"40 mm\"")?.quantity(Dimension::Length, Bound::Positive)?;
+    let damping = table.get("damping").map(|item| read_damper(&item, Motion::Translation)).transpose()?;
     let spring = Spring {
         motion: Motion::Translation,
         direction,
@@ -134,12 +81,7 @@ pub(super) fn read_ball_screw(table: &Table<'_>, around: &Surroundings<'_>) -> R
         damping: damping.unwrap_or(0.0),
         label: "axial".to_owned(),
     };
-    Ok(joint(
-        JointKind::BallScrew,
-        between,
-        JointPoint::Centroid(1),
-        vec![spring],
-    ))
+    Ok(joint(JointKind::BallScrew, between, JointPoint::Centroid(1), vec![spring]))
 }
 
 /// A bolted connection: all six stiffnesses, at the centroid of the second side unless `at` says else.
@@ -149,18 +91,13 @@ pub(super) fn read_bolted(table: &Table<'_>, around: &Surroundings<'_>) -> Resul
     let at = read_optional_point(table)?;
     let ways = global_ways();
     let springs = read_springs(table, &ways)?;
-    let is_soft = |key: &&str| {
-        !springs
-            .iter()
-            .any(|s| s.label == **key && s.stiffness != SpringStiffness::Constant(0.0))
-    };
+    let is_soft =
+        |key: &&str| !springs.iter().any(|s| s.label == **key && s.stiffness != SpringStiffness::Constant(0.0));
     if let Some(missing) = ways.iter().map(|way| way.key).find(is_soft) {
-        return Err(table
-            .need("stiffness", "stiffness = { x, y, z, rx, ry, rz }")?
-            .refuse(
-                format!("all six of x, y, z, rx, ry, rz ({missing} is missing)"),
-                "add it; a connection that leaves a direction free is a spring-damper",
-            ));
+        return Err(table.need("stiffness", "stiffness = { x, y, z, rx, ry, rz }")?.refuse(
+            format!("all six of x, y, z, rx, ry, rz ({missing} is missing)"),
+            "add it; a connection that leaves a direction free is a spring-damper",
+        ));
     }
     Ok(joint(JointKind::Bolted, between, at, springs))
 }
@@ -184,23 +121,13 @@ fn read_optional_point(table: &Table<'_>) -> Result<JointPoint> {
 
 /// Two unit vectors that make a right-handed system with the unit vector `axis`; x and y for z.
 fn perpendicular(axis: [f64; 3]) -> [[f64; 3]; 2] {
-    let smallest = (0..3).fold(0, |best, i| {
-        if axis[i].abs() < axis[best].abs() {
-            i
-        } else {
-            best
-        }
-    });
+    let smallest = (0..3).fold(0, |best, i| if axis[i].abs() < axis[best].abs() { i } else { best });
     let mut u = axis.map(|a| -a * axis[smallest]);
     u[smallest] += 1.0;
     let length = u.iter().map(|c| c * c).sum::<f64>().sqrt();
     let u = u.map(|c| c / length + 0.0);
     let [a, b] = [axis, u];
-    let v = [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ];
+    let v = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     [u, v.map(|c| c + 0.0)]
 }
 
@@ -210,29 +137,12 @@ mod tests {
 
     #[test]
     fn radial_directions_are_perpendicular_unit_vectors() {
-        assert_eq!(
-            perpendicular([0.0, 0.0, 1.0]),
-            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
-        );
-        for axis in [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.6, 0.0, -0.8],
-            [0.48, 0.6, 0.64],
-        ] {
+        assert_eq!(perpendicular([0.0, 0.0, 1.0]), [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.0, -0.8], [0.48, 0.6, 0.64]] {
             let [u, v] = perpendicular(axis);
             let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-            for (a, b, expected) in [
-                (u, u, 1.0),
-                (v, v, 1.0),
-                (u, v, 0.0),
-                (u, axis, 0.0),
-                (v, axis, 0.0),
-            ] {
-                assert!(
-                    (dot(a, b) - expected).abs() < 1e-15,
-                    "{a:?} . {b:?} for axis {axis:?}"
-                );
+            for (a, b, expected) in [(u, u, 1.0), (v, v, 1.0), (u, v, 0.0), (u, axis, 0.0), (v, axis, 0.0)] {
+                assert!((dot(a, b) - expected).abs() < 1e-15, "{a:?} . {b:?} for axis {axis:?}");
             }
         }
     }

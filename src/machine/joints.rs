@@ -2,9 +2,7 @@
 
 use super::error::MachineError;
 use super::interfaces::read_interface_ref;
-use super::joint_kinds::{
-    read_ball_screw, read_bearing, read_bolted, read_linear_guide, read_spring_damper,
-};
+use super::joint_kinds::{read_ball_screw, read_bearing, read_bolted, read_linear_guide, read_spring_damper};
 use super::model::{Axis, InterfaceRef, Joint, Part};
 use super::parts::read_loss_factor;
 use super::table::{Item, Table, find_name};
@@ -27,22 +25,13 @@ impl Surroundings<'_> {
     }
 
     /// Refuses a joint whose two sides do not move against each other along the axis.
-    pub fn check_slides(
-        &self,
-        item: &Item<'_>,
-        between: [InterfaceRef; 2],
-        kind: &str,
-    ) -> Result<()> {
+    pub fn check_slides(&self, item: &Item<'_>, between: [InterfaceRef; 2], kind: &str) -> Result<()> {
         if self.slides(between) {
             return Ok(());
         }
         let [a, b] = between.map(|side| self.part_name(side));
         let axis = &self.axis.name;
-        let which = if self.axis.moves[between[0].part] {
-            "both move"
-        } else {
-            "neither moves"
-        };
+        let which = if self.axis.moves[between[0].part] { "both move" } else { "neither moves" };
         Err(item.refuse_seen(
             format!("a {kind} between {a:?} and {b:?}, of which {which} along the axis {axis:?}"),
             "two sides of which exactly one moves",
@@ -51,12 +40,7 @@ impl Surroundings<'_> {
     }
 
     /// Refuses a joint whose two sides would slide away from each other.
-    pub fn check_stays(
-        &self,
-        item: &Item<'_>,
-        between: [InterfaceRef; 2],
-        kind: &str,
-    ) -> Result<()> {
+    pub fn check_stays(&self, item: &Item<'_>, between: [InterfaceRef; 2], kind: &str) -> Result<()> {
         if !self.slides(between) {
             return Ok(());
         }
@@ -81,11 +65,7 @@ pub(super) fn read_joints(root: &Table<'_>, around: &Surroundings<'_>) -> Result
         name_item.check_name(name)?;
         if joints.iter().any(|joint| joint.name == name) {
             let place = name_item.place();
-            return Err(MachineError::Duplicate {
-                place,
-                kind: "joint",
-                name: name.to_owned(),
-            });
+            return Err(MachineError::Duplicate { place, kind: "joint", name: name.to_owned() });
         }
         item.key = format!("{} {name:?}", item.key);
         joints.push(read_joint(&item, name, around)?);
@@ -94,23 +74,11 @@ pub(super) fn read_joints(root: &Table<'_>, around: &Surroundings<'_>) -> Result
 }
 
 fn read_joint(item: &Item<'_>, name: &str, around: &Surroundings<'_>) -> Result<Joint> {
-    const KINDS: [&str; 5] = [
-        "linear-guide",
-        "bearing",
-        "ball-screw",
-        "bolted",
-        "spring-damper",
-    ];
+    const KINDS: [&str; 5] = ["linear-guide", "bearing", "ball-screw", "bolted", "spring-damper"];
     let table = item.table()?;
     table.get("name");
-    let kind = table.need(
-        "type",
-        "type = \"linear-guide\", bearing, ball-screw, bolted or spring-damper",
-    )?;
-    let loss_factor = table
-        .get("loss_factor")
-        .map(|item| read_loss_factor(&item))
-        .transpose()?;
+    let kind = table.need("type", "type = \"linear-guide\", bearing, ball-screw, bolted or spring-damper")?;
+    let loss_factor = table.get("loss_factor").map(|item| read_loss_factor(&item)).transpose()?;
     let joint = match find_name(&kind, "joint type", kind.text()?, &KINDS)? {
         0 => read_linear_guide(&table, around)?,
         1 => read_bearing(&table, around)?,
@@ -119,27 +87,14 @@ fn read_joint(item: &Item<'_>, name: &str, around: &Surroundings<'_>) -> Result<
         _ => read_spring_damper(&table, around)?,
     };
     table.finish()?;
-    Ok(Joint {
-        name: name.to_owned(),
-        loss_factor,
-        ..joint
-    })
+    Ok(Joint { name: name.to_owned(), loss_factor, ..joint })
 }
 
 /// The two interfaces of `between`, in the file's order.
-pub(super) fn read_between<'a>(
-    table: &Table<'a>,
-    around: &Surroundings<'_>,
-) -> Result<(Item<'a>, [InterfaceRef; 2])> {
-    let item = table.need(
-        "between",
-        "between = [\"PART.INTERFACE\", \"PART.INTERFACE\"]",
-    )?;
+pub(super) fn read_between<'a>(table: &Table<'a>, around: &Surroundings<'_>) -> Result<(Item<'a>, [InterfaceRef; 2])> {
+    let item = table.need("between", "between = [\"PART.INTERFACE\", \"PART.INTERFACE\"]")?;
     let [first, second] = item.array()?;
-    let between = [
-        read_interface_ref(&first, around.parts)?,
-        read_interface_ref(&second, around.parts)?,
-    ];
+    let between = [read_interface_ref(&first, around.parts)?, read_interface_ref(&second, around.parts)?];
     check_distinct(&item, between)?;
     Ok((item, between))
 }

@@ -53,17 +53,9 @@ pub struct MeshUnits {
 
 impl MeshUnits {
     /// Metre, kilogram, second: N, Pa, kg/m^3.
-    pub const METRE_KILOGRAM_SECOND: Self = Self {
-        length: 1.0,
-        mass: 1.0,
-        time: 1.0,
-    };
+    pub const METRE_KILOGRAM_SECOND: Self = Self { length: 1.0, mass: 1.0, time: 1.0 };
     /// Millimetre, tonne, second: N, MPa, t/mm^3.
-    pub const MILLIMETRE_TONNE_SECOND: Self = Self {
-        length: 1e-3,
-        mass: 1e3,
-        time: 1.0,
-    };
+    pub const MILLIMETRE_TONNE_SECOND: Self = Self { length: 1e-3, mass: 1e3, time: 1.0 };
 
     /// Pascals per stress unit of the mesh file.
     pub fn stress(self) -> f64 {
@@ -229,14 +221,11 @@ impl Axis {
     /// The stations of the travel, from its first to its last position, m.
     pub fn stations(&self) -> Vec<f64> {
         let [from, to] = self.travel;
-        let intervals = ((to - from).abs() / self.step * (1.0 + 1e-9))
-            .floor()
-            .max(0.0) as usize;
+        let intervals = ((to - from).abs() / self.step * (1.0 + 1e-9)).floor().max(0.0) as usize;
         let sign = if to < from { -1.0 } else { 1.0 };
         // A station is rounded to a picometre so that 0.1 + 0.2 reads as 0.3 in every file.
-        let mut stations: Vec<f64> = (0..=intervals)
-            .map(|i| ((from + sign * self.step * i as f64) * 1e12).round() / 1e12)
-            .collect();
+        let mut stations: Vec<f64> =
+            (0..=intervals).map(|i| ((from + sign * self.step * i as f64) * 1e12).round() / 1e12).collect();
         if stations.last().is_some_and(|last| (last - to).abs() > 1e-9) {
             stations.push(to);
         }

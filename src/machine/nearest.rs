@@ -15,8 +15,7 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
             let longer = wanted.chars().count().max(other.chars().count());
             let shares_start = wanted.chars().count().min(other.chars().count()) >= 3
                 && (other.starts_with(&wanted) || wanted.starts_with(&other));
-            (distance < longer && distance <= (longer / 3).max(2) || shares_start)
-                .then_some((distance, candidate))
+            (distance < longer && distance <= (longer / 3).max(2) || shares_start).then_some((distance, candidate))
         })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)

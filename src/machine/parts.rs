@@ -15,49 +15,24 @@ const LARGEST_LOSS_FACTOR: f64 = 2.0;
 
 pub(super) fn read_parts(root: &Table<'_>, file: &Path) -> Result<Vec<Part>> {
     let folder = file.parent().unwrap_or(Path::new(""));
-    let units = root
-        .get("units")
-        .map(|item| read_units(&item))
-        .transpose()?;
+    let units = root.get("units").map(|item| read_units(&item)).transpose()?;
     let default_units = units.unwrap_or(MeshUnits::METRE_KILOGRAM_SECOND);
     let parts = root.need("parts", "at least one [parts.NAME] section")?;
     let entries = parts.table()?.entries()?;
     if entries.is_empty() {
-        return Err(parts.refuse_seen(
-            "no part",
-            "at least one part",
-            "add a [parts.NAME] section",
-        ));
+        return Err(parts.refuse_seen("no part", "at least one part", "add a [parts.NAME] section"));
     }
-    entries
-        .iter()
-        .map(|(name, item)| read_part(name, item, folder, default_units))
-        .collect()
+    entries.iter().map(|(name, item)| read_part(name, item, folder, default_units)).collect()
 }
 
 fn read_part(name: &str, item: &Item<'_>, folder: &Path, default_units: MeshUnits) -> Result<Part> {
     let table = item.table()?;
     let mesh = read_mesh_path(&table.need("mesh", "mesh = \"FILE.inp\"")?, folder)?;
-    let units = table
-        .get("units")
-        .map(|item| read_units(&item))
-        .transpose()?;
-    let material = table
-        .get("material")
-        .map(|item| read_material(&item, name))
-        .transpose()?;
-    let clamped = table
-        .get("clamped")
-        .map(|item| read_set_names(&item))
-        .transpose()?;
-    let interfaces = table
-        .get("interfaces")
-        .map(|item| read_interfaces(&item))
-        .transpose()?;
-    let loss_factor = table
-        .get("loss_factor")
-        .map(|item| read_loss_factor(&item))
-        .transpose()?;
+    let units = table.get("units").map(|item| read_units(&item)).transpose()?;
+    let material = table.get("material").map(|item| read_material(&item, name)).transpose()?;
+    let clamped = table.get("clamped").map(|item| read_set_names(&item)).transpose()?;
+    let interfaces = table.get("interfaces").map(|item| read_interfaces(&item)).transpose()?;
+    let loss_factor = table.get("loss_factor").map(|item| read_loss_factor(&item)).transpose()?;
     table.finish()?;
     Ok(Part {
         name: name.to_owned(),
@@ -73,75 +48,45 @@ fn read_part(name: &str, item: &Item<'_>, folder: &Path, default_units: MeshUnit
 fn read_mesh_path(item: &Item<'_>, folder: &Path) -> Result<PathBuf> {
     let name = item.text()?;
     if name.trim().is_empty() {
-        return Err(item.refuse(
-            "the name of a mesh file",
-            "name one, relative to the machine file",
-        ));
+        return Err(item.refuse("the name of a mesh file", "name one, relative to the machine file"));
     }
     let path = folder.join(name);
     if path.is_file() {
         return Ok(path);
     }
     let listing = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    let listing = if listing.as_os_str().is_empty() {
-        PathBuf::from(".")
-    } else {
-        listing
-    };
+    let listing = if listing.as_os_str().is_empty() { PathBuf::from(".") } else { listing };
     // The listing only feeds a hint; a folder that cannot be listed gives none.
     let neighbours: Vec<String> = std::fs::read_dir(listing)
-        .map(|entries| {
-            entries
-                .flatten()
-                .filter_map(|entry| entry.file_name().into_string().ok())
-                .collect()
-        })
+        .map(|entries| entries.flatten().filter_map(|entry| entry.file_name().into_string().ok()).collect())
         .unwrap_or_default();
-    let last = path
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned())
-        .unwrap_or_default();
+    let last = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let nearest = nearest(&last, neighbours.iter().map(String::as_str)).map(str::to_owned);
-    Err(MachineError::MissingMesh {
-        place: item.place(),
-        path,
-        nearest,
-    })
+    Err(MachineError::MissingMesh { place: item.place(), path, nearest })
 }
 
 fn read_units(item: &Item<'_>) -> Result<MeshUnits> {
     match item.text()? {
         "m-kg-s" => Ok(MeshUnits::METRE_KILOGRAM_SECOND),
         "mm-t-s" => Ok(MeshUnits::MILLIMETRE_TONNE_SECOND),
-        _ => Err(item.refuse(
-            "\"m-kg-s\" (N, Pa) or \"mm-t-s\" (N, MPa)",
-            "name the units that the mesh file is written in",
-        )),
+        _ => {
+            Err(item
+                .refuse("\"m-kg-s\" (N, Pa) or \"mm-t-s\" (N, MPa)", "name the units that the mesh file is written in"))
+        }
     }
 }
 
 fn read_material(item: &Item<'_>, part: &str) -> Result<Material> {
     let table = item.table()?;
-    let young = table
-        .need("young", "young = \"210 GPa\"")?
-        .quantity(Dimension::Pressure, Bound::Positive)?;
+    let young = table.need("young", "young = \"210 GPa\"")?.quantity(Dimension::Pressure, Bound::Positive)?;
     let poisson_item = table.need("poisson", "poisson = 0.3")?;
     let poisson = poisson_item.plain_number()?;
     if !(poisson > -1.0 && poisson < 0.5) {
-        return Err(
-            poisson_item.refuse("more than -1 and less than 0.5", "correct Poisson's ratio")
-        );
+        return Err(poisson_item.refuse("more than -1 and less than 0.5", "correct Poisson's ratio"));
     }
-    let density = table
-        .need("density", "density = \"7850 kg/m3\"")?
-        .quantity(Dimension::Density, Bound::Positive)?;
+    let density = table.need("density", "density = \"7850 kg/m3\"")?.quantity(Dimension::Density, Bound::Positive)?;
     table.finish()?;
-    Ok(Material {
-        name: part.to_owned(),
-        young,
-        poisson,
-        density,
-    })
+    Ok(Material { name: part.to_owned(), young, poisson, density })
 }
 
 /// A list of node sets, each named once.
@@ -150,18 +95,11 @@ fn read_set_names(item: &Item<'_>) -> Result<Vec<String>> {
     for entry in item.list()? {
         let name = entry.text()?;
         if name.trim().is_empty() {
-            return Err(entry.refuse(
-                "the name of a node set of the mesh",
-                "name one or remove the entry",
-            ));
+            return Err(entry.refuse("the name of a node set of the mesh", "name one or remove the entry"));
         }
         if names.iter().any(|other| other.eq_ignore_ascii_case(name)) {
             let place = entry.place();
-            return Err(MachineError::Duplicate {
-                place,
-                kind: "node set",
-                name: name.to_owned(),
-            });
+            return Err(MachineError::Duplicate { place, kind: "node set", name: name.to_owned() });
         }
         names.push(name.to_owned());
     }

@@ -9,15 +9,9 @@ use super::table::{Item, Table};
 type Result<T> = std::result::Result<T, MachineError>;
 
 pub(super) fn read_ports(root: &Table<'_>, parts: &[Part]) -> Result<Vec<Port>> {
-    let item = root.need(
-        "ports",
-        "a [ports.NAME] section with interface and directions",
-    )?;
+    let item = root.need("ports", "a [ports.NAME] section with interface and directions")?;
     let entries = item.table()?.entries()?;
-    let ports = entries
-        .iter()
-        .map(|(name, item)| read_port(name, item, parts))
-        .collect::<Result<Vec<_>>>()?;
+    let ports = entries.iter().map(|(name, item)| read_port(name, item, parts)).collect::<Result<Vec<_>>>()?;
     let missing = if !ports.iter().any(|port| port.input) {
         "input, where a force acts"
     } else if !ports.iter().any(|port| port.output) {
@@ -34,12 +28,8 @@ pub(super) fn read_ports(root: &Table<'_>, parts: &[Part]) -> Result<Vec<Port>> 
 
 fn read_port(name: &str, item: &Item<'_>, parts: &[Part]) -> Result<Port> {
     let table = item.table()?;
-    let interface = read_interface_ref(
-        &table.need("interface", "interface = \"PART.INTERFACE\"")?,
-        parts,
-    )?;
-    let directions =
-        read_directions(&table.need("directions", "directions = [\"x\", \"y\", \"z\"]")?)?;
+    let interface = read_interface_ref(&table.need("interface", "interface = \"PART.INTERFACE\"")?, parts)?;
+    let directions = read_directions(&table.need("directions", "directions = [\"x\", \"y\", \"z\"]")?)?;
     let flag = |key| table.get(key).map_or(Ok(true), |item| item.boolean());
     let (input, output) = (flag("input")?, flag("output")?);
     table.finish()?;
@@ -50,13 +40,7 @@ fn read_port(name: &str, item: &Item<'_>, parts: &[Part]) -> Result<Port> {
             "remove one of the two lines, or the port",
         ));
     }
-    Ok(Port {
-        name: name.to_owned(),
-        interface,
-        directions,
-        input,
-        output,
-    })
+    Ok(Port { name: name.to_owned(), interface, directions, input, output })
 }
 
 fn read_directions(item: &Item<'_>) -> Result<Vec<(String, [f64; 3])>> {
@@ -69,11 +53,7 @@ fn read_directions(item: &Item<'_>) -> Result<Vec<(String, [f64; 3])>> {
         };
         if directions.iter().any(|(other, _)| other == name) {
             let place = entry.place();
-            return Err(MachineError::Duplicate {
-                place,
-                kind: "direction",
-                name: name.to_owned(),
-            });
+            return Err(MachineError::Duplicate { place, kind: "direction", name: name.to_owned() });
         }
         directions.push((name.to_owned(), *vector));
     }

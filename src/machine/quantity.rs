@@ -50,27 +50,11 @@ impl Dimension {
     fn facts(self) -> (&'static str, &'static [&'static str], Exponents) {
         match self {
             Self::Length => ("a length", &["m", "mm", "um"], [1, 0, 0, 0, 0]),
-            Self::Stiffness => (
-                "a stiffness",
-                &["N/m", "N/um", "N/mm", "kN/mm"],
-                [0, 1, -2, 0, 0],
-            ),
-            Self::RotationalStiffness => (
-                "a rotational stiffness",
-                &["N m/rad", "kN m/rad"],
-                [2, 1, -2, -1, 0],
-            ),
-            Self::Damping => (
-                "a damping",
-                &["N s/m", "N s/mm", "kN s/m"],
-                [0, 1, -1, 0, 0],
-            ),
+            Self::Stiffness => ("a stiffness", &["N/m", "N/um", "N/mm", "kN/mm"], [0, 1, -2, 0, 0]),
+            Self::RotationalStiffness => ("a rotational stiffness", &["N m/rad", "kN m/rad"], [2, 1, -2, -1, 0]),
+            Self::Damping => ("a damping", &["N s/m", "N s/mm", "kN s/m"], [0, 1, -1, 0, 0]),
             Self::RotationalDamping => ("a rotational damping", &["N m s/rad"], [2, 1, -1, -1, 0]),
-            Self::Pressure => (
-                "a modulus",
-                &["Pa", "GPa", "MPa", "N/mm2"],
-                [-1, 1, -2, 0, 0],
-            ),
+            Self::Pressure => ("a modulus", &["Pa", "GPa", "MPa", "N/mm2"], [-1, 1, -2, 0, 0]),
             Self::Density => ("a density", &["kg/m3", "g/cm3", "t/m3"], [-3, 1, 0, 0, 0]),
             Self::Frequency => ("a frequency", &["Hz", "kHz"], [0, 0, -1, 0, 1]),
             Self::InverseTime => ("an inverse time", &["1/s", "1/ms"], [0, 0, -1, 0, 0]),
@@ -154,15 +138,9 @@ pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, QuantityE
     let (number, unit) = trimmed.split_at(number_length(trimmed));
     let Ok(value) = number.parse::<f64>() else {
         return Err(if trimmed.parse::<f64>().is_ok() {
-            QuantityError::NotFinite {
-                text: owned(),
-                expected: dimension,
-            }
+            QuantityError::NotFinite { text: owned(), expected: dimension }
         } else {
-            QuantityError::NotANumber {
-                text: owned(),
-                expected: dimension,
-            }
+            QuantityError::NotANumber { text: owned(), expected: dimension }
         });
     };
     let unit = unit.trim();
@@ -179,19 +157,12 @@ pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, QuantityE
         };
         if scale.exponents != dimension.facts().2 {
             let found = name_of(scale.exponents);
-            return Err(QuantityError::WrongDimension {
-                text: owned(),
-                found,
-                expected: dimension,
-            });
+            return Err(QuantityError::WrongDimension { text: owned(), found, expected: dimension });
         }
         scale.apply(value)
     };
     if !si.is_finite() {
-        return Err(QuantityError::NotFinite {
-            text: owned(),
-            expected: dimension,
-        });
+        return Err(QuantityError::NotFinite { text: owned(), expected: dimension });
     }
     Ok(si)
 }
@@ -254,15 +225,9 @@ struct Scale {
 
 impl Scale {
     fn parse(unit: &str) -> Option<Self> {
-        let mut product = Scale {
-            exponents: [0; 5],
-            power: 0,
-            factor: 1.0,
-        };
+        let mut product = Scale { exponents: [0; 5], power: 0, factor: 1.0 };
         for (i, group) in unit.split('/').enumerate() {
-            let symbols = group
-                .split([' ', '*', '\u{b7}'])
-                .filter(|symbol| !symbol.is_empty());
+            let symbols = group.split([' ', '*', '\u{b7}']).filter(|symbol| !symbol.is_empty());
             let mut count = 0;
             for (j, symbol) in symbols.enumerate() {
                 product.multiply(symbol, if i > 0 && j == 0 { -1 } else { 1 })?;
@@ -282,11 +247,7 @@ impl Scale {
         }
         let name = symbol.trim_end_matches(|c: char| c.is_ascii_digit() || matches!(c, '^' | '-'));
         let digits = symbol[name.len()..].trim_start_matches('^');
-        let exponent: i32 = if name.len() == symbol.len() {
-            1
-        } else {
-            digits.parse().ok()?
-        };
+        let exponent: i32 = if name.len() == symbol.len() { 1 } else { digits.parse().ok()? };
         if !(-9..=9).contains(&exponent) {
             return None;
         }
@@ -306,11 +267,7 @@ impl Scale {
 
     fn apply(&self, value: f64) -> f64 {
         let ten = 10f64.powi(self.power.abs());
-        (if self.power < 0 {
-            value / ten
-        } else {
-            value * ten
-        }) * self.factor
+        (if self.power < 0 { value / ten } else { value * ten }) * self.factor
     }
 }
 

@@ -22,11 +22,7 @@ use toml::de::DeTable;
 /// does not exist.
 pub fn read_machine(path: &Path) -> Result<Machine, MachineError> {
     let is_folder = path.is_dir();
-    let file = if is_folder {
-        path.join("machine.toml")
-    } else {
-        path.to_path_buf()
-    };
+    let file = if is_folder { path.join("machine.toml") } else { path.to_path_buf() };
     let text = std::fs::read_to_string(&file).map_err(|source| MachineError::Unreadable {
         file: file.clone(),
         source,
@@ -36,18 +32,10 @@ pub fn read_machine(path: &Path) -> Result<Machine, MachineError> {
             "name a machine file in UTF-8, or the folder of one (`stiffmap init DIR` writes one)"
         },
     })?;
-    let source = Source {
-        path: &file,
-        text: &text,
-    };
+    let source = Source { path: &file, text: &text };
     let document = DeTable::parse(&text).map_err(|error| {
         let (line, column) = source.line_column(error.span().map_or(0, |span| span.start));
-        MachineError::Syntax {
-            file: file.clone(),
-            line,
-            column,
-            message: error.message().to_owned(),
-        }
+        MachineError::Syntax { file: file.clone(), line, column, message: error.message().to_owned() }
     })?;
     read_document(Table::root(&source, document.get_ref()), &file)
 }
@@ -56,26 +44,12 @@ fn read_document(root: Table<'_>, file: &Path) -> Result<Machine, MachineError> 
     let name = read_title(&root)?;
     let parts = read_parts(&root, file)?;
     let axis = read_axis(&root, &parts)?;
-    let joints = read_joints(
-        &root,
-        &Surroundings {
-            parts: &parts,
-            axis: &axis,
-        },
-    )?;
+    let joints = read_joints(&root, &Surroundings { parts: &parts, axis: &axis })?;
     let ports = read_ports(&root, &parts)?;
     let analysis = read_analysis(&root)?;
     check_every_part_is_joined(&root, &parts, &joints)?;
     root.finish()?;
-    Ok(Machine {
-        name,
-        file: file.to_path_buf(),
-        parts,
-        joints,
-        axis,
-        ports,
-        analysis,
-    })
+    Ok(Machine { name, file: file.to_path_buf(), parts, joints, axis, ports, analysis })
 }
 
 fn read_title(root: &Table<'_>) -> Result<String, MachineError> {
@@ -86,19 +60,11 @@ fn read_title(root: &Table<'_>) -> Result<String, MachineError> {
 }
 
 /// A part without any joint is a slip of the file; one part alone needs none.
-fn check_every_part_is_joined(
-    root: &Table<'_>,
-    parts: &[Part],
-    joints: &[Joint],
-) -> Result<(), MachineError> {
+fn check_every_part_is_joined(root: &Table<'_>, parts: &[Part], joints: &[Joint]) -> Result<(), MachineError> {
     if parts.len() == 1 {
         return Ok(());
     }
-    let is_joined = |part| {
-        joints
-            .iter()
-            .any(|joint| joint.between.iter().any(|side| side.part == part))
-    };
+    let is_joined = |part| joints.iter().any(|joint| joint.between.iter().any(|side| side.part == part));
     let Some(part) = (0..parts.len()).find(|&part| !is_joined(part)) else {
         return Ok(());
     };

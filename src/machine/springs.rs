@@ -19,18 +19,9 @@ pub(super) struct Way {
 /// Translations along the global axes `x`, `y`, `z` and rotations about them, `rx`, `ry`, `rz`.
 pub(super) fn global_ways() -> Vec<Way> {
     let turned = ["rx", "ry", "rz"].into_iter().zip(GLOBAL_AXES);
-    let translations = GLOBAL_AXES
-        .into_iter()
-        .map(|(key, v)| (key, Motion::Translation, v));
+    let translations = GLOBAL_AXES.into_iter().map(|(key, v)| (key, Motion::Translation, v));
     let rotations = turned.map(|(key, (_, v))| (key, Motion::Rotation, v));
-    translations
-        .chain(rotations)
-        .map(|(key, motion, v)| Way {
-            key,
-            motion,
-            springs: vec![(key, v)],
-        })
-        .collect()
+    translations.chain(rotations).map(|(key, motion, v)| Way { key, motion, springs: vec![(key, v)] }).collect()
 }
 
 /// One spring for every way that `stiffness` or `damping` names; a way that only `damping` names is a
@@ -66,33 +57,18 @@ pub(super) fn read_springs(joint: &Table<'_>, ways: &[Way]) -> Result<Vec<Spring
     }
     if springs.is_empty() {
         let keys: Vec<&str> = ways.iter().map(|way| way.key).collect();
-        let empty = stiffness_item
-            .or(damping_item)
-            .unwrap_or_else(|| joint.item.clone());
-        return Err(empty.refuse(
-            format!("at least one of {}", keys.join(", ")),
-            "give a value for a direction",
-        ));
+        let empty = stiffness_item.or(damping_item).unwrap_or_else(|| joint.item.clone());
+        return Err(empty.refuse(format!("at least one of {}", keys.join(", ")), "give a value for a direction"));
     }
     Ok(springs)
 }
 
 /// A single spring along `direction`, from plain values of `stiffness` and `damping`.
-pub(super) fn read_single_spring(
-    joint: &Table<'_>,
-    label: &str,
-    direction: [f64; 3],
-) -> Result<Spring> {
-    let damping = joint
-        .get("damping")
-        .map(|item| read_damper(&item, Motion::Translation))
-        .transpose()?;
+pub(super) fn read_single_spring(joint: &Table<'_>, label: &str, direction: [f64; 3]) -> Result<Spring> {
+    let damping = joint.get("damping").map(|item| read_damper(&item, Motion::Translation)).transpose()?;
     let stiffness = match joint.get("stiffness") {
         None if damping.is_some() => 0.0,
-        _ => read_stiffness(
-            &joint.need("stiffness", "stiffness = \"100 N/um\"")?,
-            Motion::Translation,
-        )?,
+        _ => read_stiffness(&joint.need("stiffness", "stiffness = \"100 N/um\"")?, Motion::Translation)?,
     };
     Ok(Spring {
         motion: Motion::Translation,

@@ -20,26 +20,14 @@ impl Source<'_> {
     /// Line and column of a byte of the text, counted from 1.
     pub fn line_column(&self, offset: usize) -> (usize, usize) {
         let before = &self.text.as_bytes()[..offset.min(self.text.len())];
-        let line_start = before
-            .iter()
-            .rposition(|&b| b == b'\n')
-            .map_or(0, |at| at + 1);
+        let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
         let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
-        (
-            line,
-            1 + String::from_utf8_lossy(&before[line_start..])
-                .chars()
-                .count(),
-        )
+        (line, 1 + String::from_utf8_lossy(&before[line_start..]).chars().count())
     }
 
     fn place(&self, offset: usize, key: &str) -> Box<Place> {
         let line = self.line_column(offset).0;
-        Box::new(Place {
-            file: self.path.to_path_buf(),
-            line,
-            key: key.to_owned(),
-        })
+        Box::new(Place { file: self.path.to_path_buf(), line, key: key.to_owned() })
     }
 }
 
@@ -127,10 +115,7 @@ impl<'a> Item<'a> {
     pub fn count(&self) -> Result<usize> {
         match self.number().map(|n| n.parse::<f64>()) {
             Some(Ok(n)) if (1.0..=1e9).contains(&n) && n.fract() == 0.0 => Ok(n as usize),
-            _ => Err(self.refuse(
-                "a whole number of at least 1",
-                "write it without quotes or unit",
-            )),
+            _ => Err(self.refuse("a whole number of at least 1", "write it without quotes or unit")),
         }
     }
 
@@ -144,24 +129,15 @@ impl<'a> Item<'a> {
 
     /// A quantity in SI units.
     pub fn quantity(&self, dimension: Dimension, bound: Bound) -> Result<f64> {
-        let refused = |source| MachineError::Quantity {
-            place: self.place(),
-            source,
-        };
+        let refused = |source| MachineError::Quantity { place: self.place(), source };
         let value = match (self.value, self.number()) {
             (DeValue::String(text), _) if dimension != Dimension::Ratio && is_bare_number(text) => {
                 let text = text.to_string();
                 let finite = text.trim().parse::<f64>().is_ok_and(f64::is_finite);
                 return Err(refused(if finite {
-                    QuantityError::NoUnit {
-                        text,
-                        expected: dimension,
-                    }
+                    QuantityError::NoUnit { text, expected: dimension }
                 } else {
-                    QuantityError::NotFinite {
-                        text,
-                        expected: dimension,
-                    }
+                    QuantityError::NotFinite { text, expected: dimension }
                 }));
             }
             (DeValue::String(text), _) => parse_quantity(text, dimension).map_err(refused)?,
@@ -169,10 +145,7 @@ impl<'a> Item<'a> {
                 Ok(value) if value.is_finite() => value,
                 _ => {
                     let text = self.seen();
-                    return Err(refused(QuantityError::NotFinite {
-                        text,
-                        expected: dimension,
-                    }));
+                    return Err(refused(QuantityError::NotFinite { text, expected: dimension }));
                 }
             },
             _ => {
@@ -189,11 +162,7 @@ impl<'a> Item<'a> {
             _ => return Ok(value),
         };
         Err(self.refuse(
-            format!(
-                "{allowed} ({} in {})",
-                dimension.name(),
-                dimension.units().join(", ")
-            ),
+            format!("{allowed} ({} in {})", dimension.name(), dimension.units().join(", ")),
             "correct the value",
         ))
     }
@@ -202,13 +171,9 @@ impl<'a> Item<'a> {
     fn number(&self) -> Option<String> {
         match self.value {
             DeValue::Float(float) => Some(float.as_str().replace('_', "")),
-            DeValue::Integer(integer) if integer.radix() == 10 => {
-                Some(integer.as_str().replace('_', ""))
-            }
+            DeValue::Integer(integer) if integer.radix() == 10 => Some(integer.as_str().replace('_', "")),
             DeValue::Integer(integer) => {
-                u64::from_str_radix(&integer.as_str().replace('_', ""), integer.radix())
-                    .ok()
-                    .map(|n| n.to_string())
+                u64::from_str_radix(&integer.as_str().replace('_', ""), integer.radix()).ok().map(|n| n.to_string())
             }
             _ => None,
         }
@@ -237,11 +202,7 @@ impl<'a> Item<'a> {
 
     pub fn table(&self) -> Result<Table<'a>> {
         match self.value {
-            DeValue::Table(map) => Ok(Table {
-                item: self.clone(),
-                map,
-                asked: RefCell::default(),
-            }),
+            DeValue::Table(map) => Ok(Table { item: self.clone(), map, asked: RefCell::default() }),
             _ => Err(self.refuse("a table", "write { key = value, ... } or a [section]")),
         }
     }
@@ -267,38 +228,20 @@ pub(super) struct Table<'a> {
 impl<'a> Table<'a> {
     pub fn root(source: &'a Source<'a>, value: &'a DeTable<'a>) -> Self {
         static NONE: DeValue<'static> = DeValue::Boolean(false);
-        let item = Item {
-            source,
-            value: &NONE,
-            span: 0..0,
-            key: String::new(),
-        };
-        Table {
-            item,
-            map: value,
-            asked: RefCell::default(),
-        }
+        let item = Item { source, value: &NONE, span: 0..0, key: String::new() };
+        Table { item, map: value, asked: RefCell::default() }
     }
 
     fn child(&self, key: &str) -> Option<Item<'a>> {
         let (name, value) = self.map.get_key_value(key)?;
         let path = &self.item.key;
-        let key = if path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{path}.{key}")
-        };
+        let key = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
         // A table's own span may be its header's or empty; the key stands where the user looks.
         let span = match value.get_ref() {
             DeValue::Table(_) | DeValue::Array(_) if value.span().is_empty() => name.span(),
             _ => value.span(),
         };
-        Some(Item {
-            source: self.item.source,
-            value: value.get_ref(),
-            span,
-            key,
-        })
+        Some(Item { source: self.item.source, value: value.get_ref(), span, key })
     }
 
     /// The value of a key that may be left out.
@@ -345,10 +288,7 @@ impl<'a> Table<'a> {
         let mut allowed = self.asked.take();
         let mut seen = std::collections::BTreeSet::new();
         allowed.retain(|key| seen.insert(*key));
-        let at = self
-            .map
-            .get_key_value(key)
-            .map_or(0, |(name, _)| name.span().start);
+        let at = self.map.get_key_value(key).map_or(0, |(name, _)| name.span().start);
         Err(MachineError::UnknownKey {
             place: self.item.source.place(at, &self.item.key),
             key: key.to_owned(),
@@ -361,27 +301,17 @@ impl<'a> Table<'a> {
         let asked = self.asked.borrow().clone();
         let mut keys: Vec<_> = self.map.keys().collect();
         keys.sort_by_key(|key| key.span().start);
-        keys.into_iter()
-            .map(|key| key.get_ref().as_ref())
-            .filter(move |key| !asked.contains(key))
+        keys.into_iter().map(|key| key.get_ref().as_ref()).filter(move |key| !asked.contains(key))
     }
 }
 
 /// Index of a name among the existing ones.
-pub(super) fn find_name(
-    item: &Item<'_>,
-    kind: &str,
-    name: &str,
-    existing: &[&str],
-) -> Result<usize> {
-    existing
-        .iter()
-        .position(|other| *other == name)
-        .ok_or_else(|| MachineError::UnknownName {
-            place: item.place(),
-            kind: kind.to_owned(),
-            name: name.to_owned(),
-            nearest: nearest(name, existing.iter().copied()).map(str::to_owned),
-            existing: existing.iter().map(|&name| name.to_owned()).collect(),
-        })
+pub(super) fn find_name(item: &Item<'_>, kind: &str, name: &str, existing: &[&str]) -> Result<usize> {
+    existing.iter().position(|other| *other == name).ok_or_else(|| MachineError::UnknownName {
+        place: item.place(),
+        kind: kind.to_owned(),
+        name: name.to_owned(),
+        nearest: nearest(name, existing.iter().copied()).map(str::to_owned),
+        existing: existing.iter().map(|&name| name.to_owned()).collect(),
+    })
 }

@@ -38,17 +38,13 @@ pub enum MeshError {
         extension: String,
     },
     /// Bytes that are no text.
-    #[error(
-        "{spot}: found bytes that are not text; allowed: UTF-8; save the file as text in UTF-8"
-    )]
+    #[error("{spot}: found bytes that are not text; allowed: UTF-8; save the file as text in UTF-8")]
     NotText {
         /// Where.
         spot: Spot,
     },
     /// A keyword that would change the result and is not supported.
-    #[error(
-        "{spot}: the keyword *{keyword} is not supported and would change the result; {advice}"
-    )]
+    #[error("{spot}: the keyword *{keyword} is not supported and would change the result; {advice}")]
     Keyword {
         /// Where.
         spot: Spot,
@@ -104,9 +100,7 @@ pub enum MeshError {
         detail: String,
     },
     /// A label given twice.
-    #[error(
-        "{spot}: {kind} {label} is given twice; allowed: each {kind} label once; renumber the mesh"
-    )]
+    #[error("{spot}: {kind} {label} is given twice; allowed: each {kind} label once; renumber the mesh")]
     Duplicate {
         /// Where the second one stands.
         spot: Spot,
@@ -130,10 +124,7 @@ pub enum MeshError {
         label: u64,
     },
     /// A reference to a set or material that does not exist.
-    #[error(
-        "{spot}: no {kind} is called {name:?}{}; define it in the file or correct the name",
-        did_you_mean(nearest)
-    )]
+    #[error("{spot}: no {kind} is called {name:?}{}; define it in the file or correct the name", did_you_mean(nearest))]
     UnknownName {
         /// Where.
         spot: Spot,
@@ -171,9 +162,7 @@ pub enum MeshError {
         first: String,
     },
     /// More set members than any mesh needs.
-    #[error(
-        "{spot}: the sets up to here have more than {limit} members; remove sets that are not needed"
-    )]
+    #[error("{spot}: the sets up to here have more than {limit} members; remove sets that are not needed")]
     TooManyMembers {
         /// Where.
         spot: Spot,
@@ -189,7 +178,5 @@ pub enum MeshError {
 }
 
 fn did_you_mean(nearest: &Option<String>) -> String {
-    nearest
-        .as_ref()
-        .map_or_else(String::new, |name| format!(" (did you mean {name:?}?)"))
+    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean {name:?}?)"))
 }

@@ -44,10 +44,7 @@ pub fn read_inp(path: &Path, units: MeshUnits) -> Result<Mesh, MeshError> {
 /// # Errors
 /// As [`read_inp`].
 pub fn read_inp_file(path: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
-    let bytes = std::fs::read(path).map_err(|source| MeshError::Unreadable {
-        file: path.to_path_buf(),
-        source,
-    })?;
+    let bytes = std::fs::read(path).map_err(|source| MeshError::Unreadable { file: path.to_path_buf(), source })?;
     parse_inp(&bytes, path, units)
 }
 
@@ -56,22 +53,14 @@ pub fn read_inp_file(path: &Path, units: MeshUnits) -> Result<MeshFile, MeshErro
 /// # Errors
 /// As [`read_inp`].
 pub fn parse_inp(bytes: &[u8], file: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
-    let text = std::str::from_utf8(bytes)
-        .ok()
-        .filter(|text| !text.contains('\0'))
-        .ok_or_else(|| {
-            let valid = match std::str::from_utf8(bytes) {
-                Ok(text) => text.find('\0').unwrap_or(0),
-                Err(error) => error.valid_up_to(),
-            };
-            let line = 1 + bytes[..valid].iter().filter(|&&b| b == b'\n').count();
-            MeshError::NotText {
-                spot: Spot {
-                    file: file.to_path_buf(),
-                    line,
-                },
-            }
-        })?;
+    let text = std::str::from_utf8(bytes).ok().filter(|text| !text.contains('\0')).ok_or_else(|| {
+        let valid = match std::str::from_utf8(bytes) {
+            Ok(text) => text.find('\0').unwrap_or(0),
+            Err(error) => error.valid_up_to(),
+        };
+        let line = 1 + bytes[..valid].iter().filter(|&&b| b == b'\n').count();
+        MeshError::NotText { spot: Spot { file: file.to_path_buf(), line } }
+    })?;
     let raw = sections::collect(text, file)?;
     assemble::assemble(raw, file, units)
 }

@@ -36,17 +36,10 @@ pub struct Warning {
 /// # Errors
 /// [`MeshError::UnknownFormat`] for an extension that no reader knows, otherwise as [`inp::read_inp`].
 pub fn read_mesh_file(path: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
-    let extension = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_ascii_lowercase();
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
         "inp" => inp::read_inp_file(path, units),
-        _ => Err(MeshError::UnknownFormat {
-            file: path.to_path_buf(),
-            extension,
-        }),
+        _ => Err(MeshError::UnknownFormat { file: path.to_path_buf(), extension }),
     }
 }
 
@@ -98,13 +91,7 @@ impl Mesh {
 
 fn find_set<'a>(sets: &'a BTreeMap<String, Vec<usize>>, name: &str) -> Option<&'a [usize]> {
     let exact = sets.get(name);
-    exact
-        .or_else(|| {
-            sets.iter()
-                .find(|(key, _)| key.eq_ignore_ascii_case(name))
-                .map(|(_, set)| set)
-        })
-        .map(Vec::as_slice)
+    exact.or_else(|| sets.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, set)| set)).map(Vec::as_slice)
 }
 
 /// One finite element.

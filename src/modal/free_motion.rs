@@ -11,8 +11,12 @@ pub(super) fn describe(model: &CoupledModel, shape: &DVector<f64>) -> String {
         return "nothing moves".into();
     };
     if *share < 0.99 * total {
-        let moving: Vec<&str> =
-            shares.iter().zip(&model.parts).filter(|(s, _)| **s > 0.01 * total).map(|(_, part)| part.name.as_str()).collect();
+        let moving: Vec<&str> = shares
+            .iter()
+            .zip(&model.parts)
+            .filter(|(s, _)| **s > 0.01 * total)
+            .map(|(_, part)| part.name.as_str())
+            .collect();
         return format!("{} move together", moving.join(", "));
     }
     let part = &model.parts[part];
@@ -20,7 +24,11 @@ pub(super) fn describe(model: &CoupledModel, shape: &DVector<f64>) -> String {
     let velocity = Vector3::new(impulse[0], impulse[1], impulse[2]) / part.mass;
     let momentum = Vector3::new(impulse[3], impulse[4], impulse[5]);
     let turn = part.inertia.try_inverse().map_or(Vector3::zeros(), |inverse| inverse * momentum);
-    let (verb, direction) = if turn.dot(&momentum) > part.mass * velocity.norm_squared() { ("turns about", turn) } else { ("slides along", velocity) };
+    let (verb, direction) = if turn.dot(&momentum) > part.mass * velocity.norm_squared() {
+        ("turns about", turn)
+    } else {
+        ("slides along", velocity)
+    };
     format!("{} {verb} {}", part.name, axis_name(direction))
 }
 

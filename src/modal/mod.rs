@@ -25,7 +25,9 @@ pub enum ModalError {
         source: LinalgError,
     },
     /// A negative eigenvalue beyond rounding.
-    #[error("at position {position} m: the coupled stiffness has the eigenvalue {eigenvalue:.3e} (rad/s)^2, below the rounding of {rounding:.1e}")]
+    #[error(
+        "at position {position} m: the coupled stiffness has the eigenvalue {eigenvalue:.3e} (rad/s)^2, below the rounding of {rounding:.1e}"
+    )]
     Negative {
         /// Position, m.
         position: f64,
@@ -35,7 +37,9 @@ pub enum ModalError {
         rounding: f64,
     },
     /// The inertia count differs.
-    #[error("at position {position} m: {found} modes were found below {frequency:.3} Hz, but the machine has {counted}")]
+    #[error(
+        "at position {position} m: {found} modes were found below {frequency:.3} Hz, but the machine has {counted}"
+    )]
     Missed {
         /// Position, m.
         position: f64,

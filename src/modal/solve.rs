@@ -103,7 +103,8 @@ pub fn modes_of(
 ) -> Result<Modes, ModalError> {
     let position = at.position;
     let coupled = model.coupled(at, stiffness);
-    let eigen = symmetric_eigen_polished(&coupled.stiffness, polished).map_err(|source| ModalError::Eigen { position, source })?;
+    let eigen = symmetric_eigen_polished(&coupled.stiffness, polished)
+        .map_err(|source| ModalError::Eigen { position, source })?;
     let n = model.n();
     let rounding = f64::EPSILON * n as f64 * eigen.values.amax();
     let mut eigenvalues: Vec<f64> = eigen.values.iter().copied().collect();
@@ -115,7 +116,8 @@ pub fn modes_of(
     let free = eigenvalues.iter().take_while(|l| **l <= rounding).count();
     eigenvalues[..free].fill(0.0);
 
-    let (damping_ratios, loss_factors) = modal_damping(model, damping, at, &coupled, stiffness, &eigenvalues, free, &eigen.vectors);
+    let (damping_ratios, loss_factors) =
+        modal_damping(model, damping, at, &coupled, stiffness, &eigenvalues, free, &eigen.vectors);
     Ok(Modes {
         position,
         free,
@@ -145,9 +147,13 @@ fn modal_damping(
     shapes: &DMatrix<f64>,
 ) -> (Vec<f64>, Vec<f64>) {
     let n = eigenvalues.len();
-    let springs: Vec<(f64, f64)> =
-        model.joints().iter().flat_map(|j| j.springs.iter().map(|s| (s.damping, j.loss_factor.unwrap_or(0.0)))).collect();
-    let elongations = springs.iter().any(|(c, eta)| *c > 0.0 || *eta > 0.0).then(|| multiply(&coupled.elongations, shapes));
+    let springs: Vec<(f64, f64)> = model
+        .joints()
+        .iter()
+        .flat_map(|j| j.springs.iter().map(|s| (s.damping, j.loss_factor.unwrap_or(0.0))))
+        .collect();
+    let elongations =
+        springs.iter().any(|(c, eta)| *c > 0.0 || *eta > 0.0).then(|| multiply(&coupled.elongations, shapes));
     let mut ratios = vec![0.0; n];
     let mut losses = vec![0.0; n];
     for r in free..n {

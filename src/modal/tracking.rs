@@ -113,7 +113,8 @@ fn bridge(
             lost.push((i, j, mac, from, to));
         }
     }
-    let to = left.to.iter().map(|&(middle, mac)| middle.map_or((None, 0.0), |m| (right.to[m].0, mac.min(right.to[m].1))));
+    let to =
+        left.to.iter().map(|&(middle, mac)| middle.map_or((None, 0.0), |m| (right.to[m].0, mac.min(right.to[m].1))));
     Ok(Match { to: to.collect(), lost })
 }
 
@@ -138,7 +139,10 @@ fn merge(mut veerings: Vec<Veering>) -> Vec<Veering> {
     }
     let mut out: Vec<Veering> = Vec::new();
     for v in veerings {
-        match out.iter_mut().find(|o| o.families == v.families && (o.to - v.from).abs().min((o.from - v.from).abs()) < 1e-12) {
+        match out
+            .iter_mut()
+            .find(|o| o.families == v.families && (o.to - v.from).abs().min((o.from - v.from).abs()) < 1e-12)
+        {
             Some(seen) => {
                 seen.mac = seen.mac.min(v.mac);
                 seen.to = v.to;

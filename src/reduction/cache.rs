@@ -74,10 +74,19 @@ impl Cache {
     /// [`CacheError::Io`] if the mesh cannot be read.
     pub fn file(&self, request: &ReductionRequest) -> Result<PathBuf, CacheError> {
         let part = &request.part;
-        let mesh = std::fs::read(&part.mesh).map_err(|source| CacheError::Io { file: part.mesh.display().to_string(), source })?;
+        let mesh = std::fs::read(&part.mesh)
+            .map_err(|source| CacheError::Io { file: part.mesh.display().to_string(), source })?;
         let mut hasher = blake3::Hasher::new();
         hasher.update(&VERSION.to_le_bytes());
-        let described = (&part.name, &part.material, &part.clamped, &part.interfaces, part.mesh_units, request.component, &request.rails);
+        let described = (
+            &part.name,
+            &part.material,
+            &part.clamped,
+            &part.interfaces,
+            part.mesh_units,
+            request.component,
+            &request.rails,
+        );
         hasher.update(format!("{described:?}").as_bytes());
         hasher.update(part.mesh.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default().as_bytes());
         hasher.update(&mesh);
@@ -88,11 +97,22 @@ impl Cache {
     ///
     /// # Errors
     /// [`ReductionError`] if it has to be computed and cannot be.
-    pub fn reduce(&self, request: &ReductionRequest, mesh: &Mesh, interrupt: Option<&Interrupt>) -> Result<Cached, ReductionError> {
+    pub fn reduce(
+        &self,
+        request: &ReductionRequest,
+        mesh: &Mesh,
+        interrupt: Option<&Interrupt>,
+    ) -> Result<Cached, ReductionError> {
         let mut warnings = Vec::new();
         let file = match self.file(request) {
             Ok(file) => file,
-            Err(_) => return reduce(request, mesh, interrupt).map(|superelement| Cached { superelement, hit: false, warnings }),
+            Err(_) => {
+                return reduce(request, mesh, interrupt).map(|superelement| Cached {
+                    superelement,
+                    hit: false,
+                    warnings,
+                });
+            }
         };
         match read(&file) {
             Ok(Some(superelement)) => return Ok(Cached { superelement, hit: true, warnings }),
@@ -260,7 +280,8 @@ impl Reader<'_> {
         Some(Superelement {
             part: String::from_utf8(name.to_vec()).ok()?,
             eigenvalues: self.list()?,
-            interfaces: self.repeat(|r| Some(ReducedInterface { centroid: r.point()?, area: r.number()?, rows: r.matrix()? }))?,
+            interfaces: self
+                .repeat(|r| Some(ReducedInterface { centroid: r.point()?, area: r.number()?, rows: r.matrix()? }))?,
             rails: self.repeat(|r| {
                 Some(ReducedRail {
                     interface: r.count()?,

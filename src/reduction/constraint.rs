@@ -91,7 +91,9 @@ impl<'a> Constrained<'a> {
         let size = self.responses.ncols();
         let elastic = self.flexibility.apply(load);
         let mut right_side = DMatrix::zeros(size, load.ncols());
-        right_side.view_mut((0, 0), (k, load.ncols())).copy_from(&-multiply_transposed(&self.touched_motions, &elastic.select_rows(&self.touched)));
+        right_side
+            .view_mut((0, 0), (k, load.ncols()))
+            .copy_from(&-multiply_transposed(&self.touched_motions, &elastic.select_rows(&self.touched)));
         if size > k {
             let scale = self.responses.column(k).norm() / self.flexibility.rigid.column(0).norm();
             let balance = multiply_transposed(&self.flexibility.rigid, load) * -scale;

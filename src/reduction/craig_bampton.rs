@@ -4,7 +4,9 @@
 use super::constraint::Constrained;
 use super::superelement::ComponentModes;
 use super::{ReductionError, flexibility::Flexibility};
-use crate::linalg::{Indefinite, LanczosOptions, LinalgError, Ordering, count_negative, lowest_modes, multiply_transposed};
+use crate::linalg::{
+    Indefinite, LanczosOptions, LinalgError, Ordering, count_negative, lowest_modes, multiply_transposed,
+};
 use crate::solid::SecondOrder;
 use nalgebra::DMatrix;
 
@@ -22,18 +24,25 @@ pub(super) fn vectors(
     let constrained = Constrained::new(part, flexibility, motions, &attachments)?;
     let available = system.n_dof() - constrained.motions.ncols();
     let inverse = |load: &DMatrix<f64>| constrained.apply(load);
-    let options = LanczosOptions { modes: request.with_guard().min(available), block: 8, tolerance: 1e-7, interrupt: request.interrupt };
+    let options = LanczosOptions {
+        modes: request.with_guard().min(available),
+        block: 8,
+        tolerance: 1e-7,
+        interrupt: request.interrupt,
+    };
     let spectrum = lowest_modes(&system.mass, &inverse, options).map_err(failed)?;
 
     // Inertia of K - mu M on the constrained subspace: negative eigenvalues of the unconstrained matrix
     // plus positive ones of W^T (K - mu M)^-1 W, minus the number of constraints.
-    request.check_count(&spectrum, |shift| {
-        let shifted = Indefinite::new(&system.stiffness.plus_scaled(-shift, &system.mass), ordering)?;
-        let schur = multiply_transposed(&constrained.motions, &shifted.solve(&constrained.motions));
-        let negative = count_negative(&(0.5 * (&schur + schur.transpose())))?;
-        let count = shifted.negative_eigenvalues() as isize - negative as isize;
-        Ok(count.max(0) as usize)
-    }).map_err(failed)?;
+    request
+        .check_count(&spectrum, |shift| {
+            let shifted = Indefinite::new(&system.stiffness.plus_scaled(-shift, &system.mass), ordering)?;
+            let schur = multiply_transposed(&constrained.motions, &shifted.solve(&constrained.motions));
+            let negative = count_negative(&(0.5 * (&schur + schur.transpose())))?;
+            let count = shifted.negative_eigenvalues() as isize - negative as isize;
+            Ok(count.max(0) as usize)
+        })
+        .map_err(failed)?;
 
     let (frequencies, modes) = request.keep(&spectrum);
     let constraint_modes = constrained.constraint_modes();

@@ -17,12 +17,19 @@ pub(super) fn vectors(
 ) -> Result<(Vec<f64>, Vec<DMatrix<f64>>), ReductionError> {
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.to_string(), source };
     let rigid = flexibility.rigid.ncols();
-    let options = LanczosOptions { modes: request.with_guard().min(system.n_dof() - rigid), block: 8, tolerance: 1e-7, interrupt: request.interrupt };
+    let options = LanczosOptions {
+        modes: request.with_guard().min(system.n_dof() - rigid),
+        block: 8,
+        tolerance: 1e-7,
+        interrupt: request.interrupt,
+    };
     let spectrum = lowest_modes(&system.mass, &|load| flexibility.apply(load), options).map_err(failed)?;
-    request.check_count(&spectrum, |shift| {
-        let shifted = Indefinite::new(&system.stiffness.plus_scaled(-shift, &system.mass), ordering)?;
-        Ok(shifted.negative_eigenvalues().saturating_sub(rigid))
-    }).map_err(failed)?;
+    request
+        .check_count(&spectrum, |shift| {
+            let shifted = Indefinite::new(&system.stiffness.plus_scaled(-shift, &system.mass), ordering)?;
+            Ok(shifted.negative_eigenvalues().saturating_sub(rigid))
+        })
+        .map_err(failed)?;
     let (frequencies, modes) = request.keep(&spectrum);
     let attachments = flexibility.apply(motions);
     let mut blocks = vec![modes];

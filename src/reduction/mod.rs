@@ -25,7 +25,9 @@ mod free_interface;
 mod superelement;
 
 pub use cache::{Cache, CacheError, Cached};
-pub use superelement::{LEAST_SHARE, RailSpring, RailTraining, ReducedInterface, ReducedRail, ReductionRequest, Superelement, reduce};
+pub use superelement::{
+    LEAST_SHARE, RailSpring, RailTraining, ReducedInterface, ReducedRail, ReductionRequest, Superelement, reduce,
+};
 
 use crate::linalg::LinalgError;
 use crate::solid::SolidError;
@@ -45,7 +47,9 @@ pub enum ReductionError {
         source: LinalgError,
     },
     /// The interfaces of a free part do not hold it.
-    #[error("part \"{part}\": its interfaces leave {free} of its rigid motions free, so it has no constraint modes; use the free-interface method or add an interface")]
+    #[error(
+        "part \"{part}\": its interfaces leave {free} of its rigid motions free, so it has no constraint modes; use the free-interface method or add an interface"
+    )]
     NotHeld {
         /// Part.
         part: String,
@@ -53,7 +57,9 @@ pub enum ReductionError {
         free: usize,
     },
     /// A reduced stiffness came out indefinite.
-    #[error("part \"{part}\": the reduced stiffness has the eigenvalue {eigenvalue:.3e} (rad/s)^2, which should be positive; the mesh is broken or the part is not held together")]
+    #[error(
+        "part \"{part}\": the reduced stiffness has the eigenvalue {eigenvalue:.3e} (rad/s)^2, which should be positive; the mesh is broken or the part is not held together"
+    )]
     Indefinite {
         /// Part.
         part: String,

@@ -112,7 +112,8 @@ impl ReductionRequest {
         let rails: std::collections::BTreeSet<usize> = self.rails.iter().map(|r| r.interface).collect();
         let motions = 6 * (self.part.interfaces.len() - rails.len());
         let trained: usize = self.rails.iter().map(|r| r.centres.len() * r.springs.len()).sum();
-        let rigid = if self.part.clamped.is_empty() && self.component.method == ReductionMethod::FreeInterface { 6 } else { 0 };
+        let rigid =
+            if self.part.clamped.is_empty() && self.component.method == ReductionMethod::FreeInterface { 6 } else { 0 };
         rigid + self.component.modes + (motions + trained) * if self.component.second_moment { 2 } else { 1 }
     }
 }
@@ -142,7 +143,8 @@ impl ReducedRail {
         let weights = self.surface.weights_in_slab(direction, centre, length);
         let motion = InterfaceMotion::from_weights(&weights, |n| self.nodes[n])?;
         let touched = &motion.rows.nodes;
-        let local = DMatrix::from_fn(3 * touched.len(), self.basis.ncols(), |i, k| self.basis[(3 * touched[i / 3] + i % 3, k)]);
+        let local =
+            DMatrix::from_fn(3 * touched.len(), self.basis.ncols(), |i, k| self.basis[(3 * touched[i / 3] + i % 3, k)]);
         Some(ReducedInterface { centroid: motion.centroid, area: motion.area, rows: &motion.rows.rows * local })
     }
 }
@@ -151,7 +153,11 @@ impl ReducedRail {
 ///
 /// # Errors
 /// [`ReductionError`], with the part's name.
-pub fn reduce(request: &ReductionRequest, mesh: &Mesh, interrupt: Option<&Interrupt>) -> Result<Superelement, ReductionError> {
+pub fn reduce(
+    request: &ReductionRequest,
+    mesh: &Mesh,
+    interrupt: Option<&Interrupt>,
+) -> Result<Superelement, ReductionError> {
     let part = &request.part;
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.name.clone(), source };
     let system = assemble(part, mesh)?;
@@ -206,7 +212,8 @@ fn reduced_rail(system: &SecondOrder, interface: usize, vectors: &DMatrix<f64>) 
     nodes.dedup();
     let mut local = surface.clone();
     for face in &mut local.faces {
-        face.nodes = face.nodes.map(|n| nodes.binary_search(&n).unwrap_or_else(|_| unreachable!("nodes lists all of them")));
+        face.nodes =
+            face.nodes.map(|n| nodes.binary_search(&n).unwrap_or_else(|_| unreachable!("nodes lists all of them")));
     }
     ReducedRail {
         interface,
@@ -231,7 +238,8 @@ fn interface_motions(system: &SecondOrder, request: &ReductionRequest) -> DMatri
             let weights = surface.weights_in_slab(rail.direction, centre, rail.footprint);
             let Some(motion) = InterfaceMotion::from_weights(&weights, |n| system.nodes[n]) else { continue };
             let rows = rail.springs.iter().map(|s| s.coefficients(rail.direction, centre, motion.centroid));
-            let select = DMatrix::from_columns(&rows.map(|c| nalgebra::DVector::from_row_slice(&c)).collect::<Vec<_>>());
+            let select =
+                DMatrix::from_columns(&rows.map(|c| nalgebra::DVector::from_row_slice(&c)).collect::<Vec<_>>());
             columns.push(multiply(&system.columns(&motion.rows), &select));
         }
     }
@@ -281,7 +289,9 @@ impl ComponentModes<'_> {
         let values = &spectrum.eigenvalues;
         let last = values.len().saturating_sub(1);
         let first = self.modes.min(last).saturating_sub(1);
-        let Some(below) = (first..last).max_by(|&a, &b| (values[a + 1] / values[a]).total_cmp(&(values[b + 1] / values[b]))) else {
+        let Some(below) =
+            (first..last).max_by(|&a, &b| (values[a + 1] / values[a]).total_cmp(&(values[b + 1] / values[b])))
+        else {
             return Ok(());
         };
         let shift = 0.5 * (values[below] + values[below + 1]);

@@ -99,7 +99,8 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
         .par_iter()
         .map(|cell| {
             let material = part.material.as_ref().or_else(|| cell.material.map(|m| &mesh.materials[m]));
-            let material = material.ok_or_else(|| SolidError::NoMaterial { part: name.clone(), element: cell.label })?;
+            let material =
+                material.ok_or_else(|| SolidError::NoMaterial { part: name.clone(), element: cell.label })?;
             let mut x = [[0.0; 3]; tet10::NODES];
             for (x, &node) in x.iter_mut().zip(&cell.nodes) {
                 *x = mesh.nodes[node];

@@ -15,7 +15,9 @@ pub use surface::{Face, Surface};
 #[derive(Debug, thiserror::Error)]
 pub enum SolidError {
     /// An element's Jacobian determinant is not positive.
-    #[error("part \"{part}\": element {element} is inverted or folded (Jacobian determinant {determinant:.3e} m^3); remesh it, or check the order of its nodes")]
+    #[error(
+        "part \"{part}\": element {element} is inverted or folded (Jacobian determinant {determinant:.3e} m^3); remesh it, or check the order of its nodes"
+    )]
     InvertedElement {
         /// Part.
         part: String,
@@ -25,7 +27,9 @@ pub enum SolidError {
         determinant: f64,
     },
     /// An element has no material.
-    #[error("part \"{part}\": element {element} has no material; give the mesh file a *SOLID SECTION that covers it, or the part a `material`")]
+    #[error(
+        "part \"{part}\": element {element} has no material; give the mesh file a *SOLID SECTION that covers it, or the part a `material`"
+    )]
     NoMaterial {
         /// Part.
         part: String,
@@ -57,7 +61,9 @@ pub enum SolidError {
         reason: String,
     },
     /// The mesh falls into pieces.
-    #[error("part \"{part}\": the mesh falls into {pieces} pieces that share no node; a part is one body (element {element} is not connected to the first)")]
+    #[error(
+        "part \"{part}\": the mesh falls into {pieces} pieces that share no node; a part is one body (element {element} is not connected to the first)"
+    )]
     Pieces {
         /// Part.
         part: String,
@@ -73,7 +79,9 @@ pub enum SolidError {
         part: String,
     },
     /// Two rigid interfaces claim one node, or a clamp does.
-    #[error("part \"{part}\", rigid interface \"{interface}\": node {node} also belongs to {other}; a node follows one rigid surface only")]
+    #[error(
+        "part \"{part}\", rigid interface \"{interface}\": node {node} also belongs to {other}; a node follows one rigid surface only"
+    )]
     RigidOverlap {
         /// Part.
         part: String,

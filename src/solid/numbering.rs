@@ -56,7 +56,12 @@ pub(super) struct Numbering {
 }
 
 /// Numbers the unknowns of a part.
-pub(super) fn number(part: &Part, mesh: &Mesh, clamped: &BTreeSet<usize>, interfaces: &[InterfaceMotion]) -> Result<Numbering, SolidError> {
+pub(super) fn number(
+    part: &Part,
+    mesh: &Mesh,
+    clamped: &BTreeSet<usize>,
+    interfaces: &[InterfaceMotion],
+) -> Result<Numbering, SolidError> {
     let mut used = vec![false; mesh.nodes.len()];
     for &node in mesh.cells.iter().flat_map(|c| &c.nodes) {
         used[node] = true;
@@ -146,7 +151,8 @@ pub fn interface_motions(part: &Part, mesh: &Mesh) -> Result<Vec<(Surface, Inter
 
 fn interface_motion(part: &Part, mesh: &Mesh, interface: &Interface) -> Result<(Surface, InterfaceMotion), SolidError> {
     let set = find_set(part, mesh, &interface.nodes, &format!("interface \"{}\"", interface.name))?;
-    let no_surface = |reason: String| SolidError::NoSurface { part: part.name.clone(), interface: interface.name.clone(), reason };
+    let no_surface =
+        |reason: String| SolidError::NoSurface { part: part.name.clone(), interface: interface.name.clone(), reason };
     let surface = Surface::of_node_set(mesh, set);
     if surface.faces.is_empty() {
         return Err(no_surface(format!(
@@ -169,7 +175,13 @@ fn interface_motion(part: &Part, mesh: &Mesh, interface: &Interface) -> Result<(
 }
 
 /// Rigid motions over the unknowns about a point, n x 6.
-pub(super) fn rigid_motions(mesh: &Mesh, part: &Part, interfaces: &[InterfaceMotion], numbering: &Numbering, centre: [f64; 3]) -> DMatrix<f64> {
+pub(super) fn rigid_motions(
+    mesh: &Mesh,
+    part: &Part,
+    interfaces: &[InterfaceMotion],
+    numbering: &Numbering,
+    centre: [f64; 3],
+) -> DMatrix<f64> {
     let mut rigid = DMatrix::zeros(numbering.n_dof, 6);
     let mut set = |first: usize, at: [f64; 3]| {
         let [x, y, z] = [at[0] - centre[0], at[1] - centre[1], at[2] - centre[2]];
@@ -186,7 +198,8 @@ pub(super) fn rigid_motions(mesh: &Mesh, part: &Part, interfaces: &[InterfaceMot
         }
     }
     let rigid_interfaces = part.interfaces.iter().zip(interfaces).filter(|(i, _)| i.coupling == SurfaceCoupling::Rigid);
-    let firsts: Vec<(usize, [f64; 3])> = rigid_interfaces.enumerate().map(|(k, (_, motion))| (6 * k, motion.centroid)).collect();
+    let firsts: Vec<(usize, [f64; 3])> =
+        rigid_interfaces.enumerate().map(|(k, (_, motion))| (6 * k, motion.centroid)).collect();
     for &(first, centroid) in &firsts {
         set(first, centroid);
     }

@@ -80,15 +80,9 @@ fn check(bytes: &[u8]) {
     for cell in &mesh.cells {
         assert_eq!(cell.nodes.len(), cell.kind.node_count());
         assert!(cell.nodes.iter().all(|&node| node < mesh.nodes.len()));
-        assert!(
-            cell.material
-                .is_none_or(|material| material < mesh.materials.len())
-        );
+        assert!(cell.material.is_none_or(|material| material < mesh.materials.len()));
     }
-    for (sets, count) in [
-        (&mesh.node_sets, mesh.nodes.len()),
-        (&mesh.element_sets, mesh.cells.len()),
-    ] {
+    for (sets, count) in [(&mesh.node_sets, mesh.nodes.len()), (&mesh.element_sets, mesh.cells.len())] {
         for set in sets.values() {
             assert!(set.windows(2).all(|pair| pair[0] < pair[1]));
             assert!(set.last().is_none_or(|&last| last < count));

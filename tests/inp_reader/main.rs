@@ -61,10 +61,7 @@ fn refused(text: &str, fragments: &[&str]) {
         Err(message) => message,
     };
     for fragment in ["tet.inp:"].iter().chain(fragments) {
-        assert!(
-            message.contains(fragment),
-            "{fragment:?} is not in: {message}"
-        );
+        assert!(message.contains(fragment), "{fragment:?} is not in: {message}");
     }
 }
 

@@ -74,10 +74,7 @@ fn read(text: &str) -> Result<Machine, MachineError> {
 
 /// The small machine with one text replaced.
 fn changed(from: &str, to: &str) -> String {
-    assert!(
-        MACHINE.contains(from),
-        "{from:?} is not in the small machine"
-    );
+    assert!(MACHINE.contains(from), "{from:?} is not in the small machine");
     MACHINE.replacen(from, to, 1)
 }
 
@@ -89,10 +86,7 @@ fn refused(text: &str, fragments: &[&str]) {
         Err(error) => error.to_string(),
     };
     for fragment in ["machine.toml:"].iter().chain(fragments) {
-        assert!(
-            message.contains(fragment),
-            "{fragment:?} is not in: {message}"
-        );
+        assert!(message.contains(fragment), "{fragment:?} is not in: {message}");
     }
 }
 

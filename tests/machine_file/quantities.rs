@@ -13,83 +13,34 @@ fn a_quantity_of_the_wrong_dimension_or_unit_is_refused_with_the_units_allowed()
             "a stiffness in N/m, N/um",
         ],
     );
-    refused_change(
-        "\"77 N/um\"",
-        "\"77 N/mu\"",
-        &["unknown unit \"N/mu\"", "did you mean \"N/"],
-    );
+    refused_change("\"77 N/um\"", "\"77 N/mu\"", &["unknown unit \"N/mu\"", "did you mean \"N/"]);
     refused_change(
         "\"40 mm\"",
         "\"40\"",
-        &[
-            "joints[2] \"screw\".diameter",
-            "\"40\" without a unit",
-            "a length in m, mm, um",
-            "without quotes",
-        ],
+        &["joints[2] \"screw\".diameter", "\"40\" without a unit", "a length in m, mm, um", "without quotes"],
     );
-    refused_change(
-        "\"40 mm\"",
-        "\"forty mm\"",
-        &["does not begin with a number"],
-    );
+    refused_change("\"40 mm\"", "\"forty mm\"", &["does not begin with a number"]);
     refused_change(
         "\"100 N s/m\"",
         "\"100 N/m\"",
-        &[
-            "joints[1] \"guide\".damping.x",
-            "which is a stiffness",
-            "a damping in N s/m",
-        ],
+        &["joints[1] \"guide\".damping.x", "which is a stiffness", "a damping in N s/m"],
     );
-    refused_change(
-        "to = \"10 Hz\"",
-        "to = \"10 rad/s\"",
-        &["analysis.frequencies.to", "a frequency in Hz"],
-    );
+    refused_change("to = \"10 Hz\"", "to = \"10 rad/s\"", &["analysis.frequencies.to", "a frequency in Hz"]);
     refused_change("\"40 mm\"", "true", &["found true", "a length in m"]);
 }
 
 #[test]
 fn negative_infinite_and_nan_values_are_refused() {
-    refused_change(
-        "\"77 N/um\"",
-        "\"-77 N/um\"",
-        &["stiffness.x: found \"-77 N/um\"", "positive", "a stiffness"],
-    );
+    refused_change("\"77 N/um\"", "\"-77 N/um\"", &["stiffness.x: found \"-77 N/um\"", "positive", "a stiffness"]);
     refused_change("77e6", "0", &["stiffness.y: found 0", "positive"]);
-    refused_change(
-        "77e6",
-        "nan",
-        &["stiffness.y: found nan, which is not finite"],
-    );
-    refused_change(
-        "77e6",
-        "inf",
-        &["stiffness.y: found inf, which is not finite"],
-    );
+    refused_change("77e6", "nan", &["stiffness.y: found nan, which is not finite"]);
+    refused_change("77e6", "inf", &["stiffness.y: found inf, which is not finite"]);
     refused_change("77e6", "1e999", &["not finite"]);
-    refused_change(
-        "\"77 N/um\"",
-        "\"nan\"",
-        &["found nan, which is not finite"],
-    );
-    refused_change(
-        "\"77 N/um\"",
-        "\"inf N/um\"",
-        &["\"inf N/um\"", "does not begin with a number"],
-    );
+    refused_change("\"77 N/um\"", "\"nan\"", &["found nan, which is not finite"]);
+    refused_change("\"77 N/um\"", "\"inf N/um\"", &["\"inf N/um\"", "does not begin with a number"]);
     refused_change("\"77 N/um\"", "\"1e307 N/um\"", &["not finite"]);
-    refused_change(
-        "\"100 N s/m\"",
-        "-1",
-        &["damping.x: found -1", "zero or a positive value"],
-    );
-    refused_change(
-        "\"210 GPa\"",
-        "\"-210 GPa\"",
-        &["joints[2] \"screw\".young", "positive"],
-    );
+    refused_change("\"100 N s/m\"", "-1", &["damping.x: found -1", "zero or a positive value"]);
+    refused_change("\"210 GPa\"", "\"-210 GPa\"", &["joints[2] \"screw\".young", "positive"]);
     refused_change("\"90 mm\"", "0", &["footprint: found 0", "positive"]);
 }
 
@@ -98,32 +49,15 @@ fn materials_outside_physics_are_refused() {
     let material = |young: &str, poisson: &str, density: &str| {
         changed(
             "mesh = \"head.inp\"",
-            &format!(
-                "mesh = \"head.inp\"\nmaterial = {{ young = {young}, poisson = {poisson}, density = {density} }}"
-            ),
+            &format!("mesh = \"head.inp\"\nmaterial = {{ young = {young}, poisson = {poisson}, density = {density} }}"),
         )
     };
     assert!(read(&material("210e9", "-0.9", "7850")).is_ok());
-    refused(
-        &material("210e9", "0.3", "-7850"),
-        &["parts.head.material.density: found -7850", "positive"],
-    );
-    refused(
-        &material("210e9", "0.5", "7850"),
-        &["parts.head.material.poisson: found 0.5", "less than 0.5"],
-    );
-    refused(
-        &material("210e9", "-1", "7850"),
-        &["poisson: found -1", "more than -1"],
-    );
-    refused(
-        &material("210e9", "nan", "7850"),
-        &["poisson: found nan", "finite"],
-    );
-    refused(
-        &material("0", "0.3", "7850"),
-        &["young: found 0", "positive"],
-    );
+    refused(&material("210e9", "0.3", "-7850"), &["parts.head.material.density: found -7850", "positive"]);
+    refused(&material("210e9", "0.5", "7850"), &["parts.head.material.poisson: found 0.5", "less than 0.5"]);
+    refused(&material("210e9", "-1", "7850"), &["poisson: found -1", "more than -1"]);
+    refused(&material("210e9", "nan", "7850"), &["poisson: found nan", "finite"]);
+    refused(&material("0", "0.3", "7850"), &["young: found 0", "positive"]);
     refused_change(
         "mesh = \"head.inp\"",
         "mesh = \"head.inp\"\nunits = \"mm-kg-s\"",

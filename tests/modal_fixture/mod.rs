@@ -57,10 +57,7 @@ pub fn rich(n_ports: usize) -> Case {
     let systems = (0..5)
         .map(|p| {
             let mut system = symmetric_system(&mut numbers, n_ports, 6 + p, 0.01);
-            system
-                .loss_factors
-                .iter_mut()
-                .for_each(|eta| *eta = numbers.within(0.0, 0.03));
+            system.loss_factors.iter_mut().for_each(|eta| *eta = numbers.within(0.0, 0.03));
             system.residual = residual(&mut numbers, n_ports);
             system
         })
@@ -104,19 +101,14 @@ impl Case {
 }
 
 /// The oracle: the sum as it is written, matrix by matrix, in rad/s.
-pub fn plain_sum(
-    system: &ModalSystem,
-    frequency: f64,
-    quantity: Quantity,
-) -> DMatrix<Complex<f64>> {
+pub fn plain_sum(system: &ModalSystem, frequency: f64, quantity: Quantity) -> DMatrix<Complex<f64>> {
     let tau = std::f64::consts::TAU;
     let j_omega = Complex::new(0.0, tau * frequency);
     let mut h = DMatrix::zeros(system.outputs.nrows(), system.inputs.nrows());
     for r in 0..system.frequencies.len() {
         let omega_r = tau * system.frequencies[r];
         let stiffness = Complex::new(1.0, system.loss_factors[r]) * omega_r * omega_r;
-        let d =
-            stiffness + j_omega * j_omega + j_omega * (2.0 * system.damping_ratios[r] * omega_r);
+        let d = stiffness + j_omega * j_omega + j_omega * (2.0 * system.damping_ratios[r] * omega_r);
         let product = system.outputs.column(r) * system.inputs.column(r).transpose();
         h += product.map(|x| Complex::from(x) / d);
     }
@@ -158,21 +150,12 @@ pub fn differences(case: &Case, map: &ComplianceMap) -> (f64, f64) {
             for (d, m) in difference.iter().zip(magnitudes.iter()) {
                 // 0 / 0 is no difference (accelerance at 0 Hz); x / 0 is infinite, and a NaN must not pass as small.
                 let ratio = if d.norm() == 0.0 { 0.0 } else { d.norm() / m };
-                entry = if ratio.is_nan() {
-                    f64::INFINITY
-                } else {
-                    entry.max(ratio)
-                };
+                entry = if ratio.is_nan() { f64::INFINITY } else { entry.max(ratio) };
             }
-            let norm =
-                |m: &DMatrix<Complex<f64>>| m.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
+            let norm = |m: &DMatrix<Complex<f64>>| m.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
             if norm(&difference) != 0.0 {
                 let ratio = norm(&difference) / norm(&reference);
-                frobenius = if ratio.is_nan() {
-                    f64::INFINITY
-                } else {
-                    frobenius.max(ratio)
-                };
+                frobenius = if ratio.is_nan() { f64::INFINITY } else { frobenius.max(ratio) };
             }
         }
     }

@@ -22,38 +22,24 @@ fn frequency(mode: usize, t: f64) -> f64 {
 /// Families and receptances of the made-up mill, damping 2 %, positions from 0 down to -0.6 m.
 pub fn mill(n_position: usize, n_frequency: usize) -> (ModeFamilies, ComplianceMap) {
     let place = |k: usize, n: usize| {
-        if n > 1 {
-            k as f64 / (n - 1) as f64
-        } else {
-            0.0
-        }
+        if n > 1 { k as f64 / (n - 1) as f64 } else { 0.0 }
     };
-    let positions: Vec<f64> = (0..n_position)
-        .map(|p| -0.6 * place(p, n_position))
-        .collect();
-    let frequencies: Vec<f64> = (0..n_frequency)
-        .map(|f| 900.0 * place(f, n_frequency))
-        .collect();
+    let positions: Vec<f64> = (0..n_position).map(|p| -0.6 * place(p, n_position)).collect();
+    let frequencies: Vec<f64> = (0..n_frequency).map(|f| 900.0 * place(f, n_frequency)).collect();
     let zeta = 0.02;
     let mut modes = Vec::new();
     let mut values = Vec::with_capacity(9 * n_position * n_frequency);
     for position in &positions {
         let t = -position / 0.6;
         let found: Vec<f64> = (0..MODES).map(|m| frequency(m, t)).collect();
-        let mut ranked: Vec<(usize, f64)> = std::iter::once(0.0)
-            .chain(found.iter().copied())
-            .enumerate()
-            .collect();
+        let mut ranked: Vec<(usize, f64)> = std::iter::once(0.0).chain(found.iter().copied()).enumerate().collect();
         ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let tracked = ranked
-            .iter()
-            .enumerate()
-            .map(|(rank, (family, frequency))| TrackedMode {
-                family: family + 1,
-                rank: rank + 1,
-                frequency: *frequency,
-                damping_ratio: zeta,
-            });
+        let tracked = ranked.iter().enumerate().map(|(rank, (family, frequency))| TrackedMode {
+            family: family + 1,
+            rank: rank + 1,
+            frequency: *frequency,
+            damping_ratio: zeta,
+        });
         modes.push(tracked.collect());
         let shape = |m: usize, i: usize| {
             let sign = noise(7 * m + i) - 0.5;
@@ -72,34 +58,14 @@ pub fn mill(n_position: usize, n_frequency: usize) -> (ModeFamilies, ComplianceM
                 .collect();
             for i in 0..3 {
                 for j in 0..3 {
-                    values.push(
-                        terms
-                            .iter()
-                            .zip(&shapes)
-                            .map(|(t, s)| t * s[i] * s[j])
-                            .sum(),
-                    );
+                    values.push(terms.iter().zip(&shapes).map(|(t, s)| t * s[i] * s[j]).sum());
                 }
             }
         }
     }
     let names: Vec<String> = ["tool.x", "tool.y", "tool.z"].map(String::from).into();
-    let families = ModeFamilies {
-        positions: positions.clone(),
-        modes,
-        veerings: Vec::new(),
-    };
+    let families = ModeFamilies { positions: positions.clone(), modes, veerings: Vec::new() };
     let quantity = Quantity::Receptance;
     let (outputs, inputs) = (names.clone(), names);
-    (
-        families,
-        ComplianceMap {
-            positions,
-            frequencies,
-            outputs,
-            inputs,
-            quantity,
-            values,
-        },
-    )
+    (families, ComplianceMap { positions, frequencies, outputs, inputs, quantity, values })
 }

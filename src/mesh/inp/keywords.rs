@@ -56,9 +56,7 @@ pub fn advice(name: &str) -> &'static str {
             "describe the material by *ELASTIC and *DENSITY alone"
         }
         "DAMPING" => "remove it and give the damping in the machine file",
-        "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" => {
-            "write out the nodes and elements"
-        }
+        "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" => "write out the nodes and elements",
         _ => "remove it if it does not matter",
     }
 }

@@ -32,10 +32,7 @@ impl Labels {
                     return Err(index);
                 }
             }
-            return Ok(Self {
-                table: Table::Dense(table),
-                count,
-            });
+            return Ok(Self { table: Table::Dense(table), count });
         }
         let mut map = HashMap::with_capacity(count);
         for (index, label) in labels.enumerate() {
@@ -43,10 +40,7 @@ impl Labels {
                 return Err(index);
             }
         }
-        Ok(Self {
-            table: Table::Sparse(map),
-            count,
-        })
+        Ok(Self { table: Table::Sparse(map), count })
     }
 
     /// How many there are.
@@ -66,15 +60,10 @@ impl Labels {
     /// Every label with its index, in no order.
     pub fn iter(&self) -> Box<dyn Iterator<Item = (u64, usize)> + '_> {
         match &self.table {
-            Table::Dense(table) => Box::new(
-                (0u64..)
-                    .zip(table)
-                    .filter(|(_, index)| **index != ABSENT)
-                    .map(|(l, i)| (l, *i as usize)),
-            ),
-            Table::Sparse(map) => {
-                Box::new(map.iter().map(|(label, index)| (*label, *index as usize)))
+            Table::Dense(table) => {
+                Box::new((0u64..).zip(table).filter(|(_, index)| **index != ABSENT).map(|(l, i)| (l, *i as usize)))
             }
+            Table::Sparse(map) => Box::new(map.iter().map(|(label, index)| (*label, *index as usize))),
         }
     }
 }

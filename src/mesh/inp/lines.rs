@@ -27,12 +27,7 @@ pub struct Keyword<'a> {
 impl<'a> Lines<'a> {
     pub fn new(text: &'a str, file: &'a Path) -> Self {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut lines = Lines {
-            file,
-            rest: text.lines(),
-            number: 0,
-            ahead: None,
-        };
+        let mut lines = Lines { file, rest: text.lines(), number: 0, ahead: None };
         lines.advance();
         lines
     }
@@ -55,10 +50,7 @@ impl<'a> Lines<'a> {
     }
 
     pub fn spot(&self, line: usize) -> Spot {
-        Spot {
-            file: self.file.to_path_buf(),
-            line,
-        }
+        Spot { file: self.file.to_path_buf(), line }
     }
 
     /// The next data line, unless a keyword or the end of the file comes first.
@@ -79,12 +71,7 @@ impl<'a> Lines<'a> {
         self.advance();
         let mut fields = line[1..].split(',').map(str::trim);
         let spelling = fields.next().unwrap_or_default();
-        let mut keyword = Keyword {
-            name: canonical(spelling),
-            spelling,
-            line: number,
-            parameters: Vec::new(),
-        };
+        let mut keyword = Keyword { name: canonical(spelling), spelling, line: number, parameters: Vec::new() };
         keyword.add_parameters(fields);
         let mut last = line;
         // A keyword line that ends in a comma goes on in the next line.
@@ -103,43 +90,32 @@ impl<'a> Keyword<'a> {
     fn add_parameters(&mut self, fields: impl Iterator<Item = &'a str>) {
         for field in fields.filter(|field| !field.is_empty()) {
             let (name, value) = field.split_once('=').unwrap_or((field, ""));
-            self.parameters
-                .push((canonical(name), value.trim().trim_matches('"')));
+            self.parameters.push((canonical(name), value.trim().trim_matches('"')));
         }
     }
 
     /// The value of a parameter; empty for a flag.
     pub fn get(&self, name: &str) -> Option<&'a str> {
-        self.parameters
-            .iter()
-            .find(|(other, _)| other == name)
-            .map(|(_, value)| *value)
+        self.parameters.iter().find(|(other, _)| other == name).map(|(_, value)| *value)
     }
 }
 
 /// Upper case without blanks.
 pub fn canonical(name: &str) -> String {
-    name.chars()
-        .filter(|c| !c.is_whitespace())
-        .collect::<String>()
-        .to_uppercase()
+    name.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_uppercase()
 }
 
 /// The values of a data line; the empty one after a trailing comma is left out.
 pub fn fields(line: &str) -> impl Iterator<Item = &str> {
-    line.strip_suffix(',')
-        .unwrap_or(line)
-        .split(',')
-        .map(str::trim)
+    line.strip_suffix(',').unwrap_or(line).split(',').map(str::trim)
 }
 
 /// A finite number; Fortran's `1.0D+3` is read.
 pub fn number(field: &str) -> Option<f64> {
-    let value = field.parse::<f64>().ok().or_else(|| {
-        field
-            .contains(['d', 'D'])
-            .then(|| field.replace(['d', 'D'], "e").parse::<f64>().ok())?
-    })?;
+    let value = field
+        .parse::<f64>()
+        .ok()
+        .or_else(|| field.contains(['d', 'D']).then(|| field.replace(['d', 'D'], "e").parse::<f64>().ok())?)?;
     value.is_finite().then_some(value)
 }
 
@@ -147,33 +123,17 @@ pub fn number(field: &str) -> Option<f64> {
 pub fn label(field: &str) -> Option<u64> {
     let field = field.strip_prefix('+').unwrap_or(field);
     let starts_with_digit = field.as_bytes().first().is_some_and(u8::is_ascii_digit);
-    starts_with_digit
-        .then(|| field.parse::<u64>().ok())?
-        .filter(|&label| label > 0)
+    starts_with_digit.then(|| field.parse::<u64>().ok())?.filter(|&label| label > 0)
 }
 
 /// An error about a value on a data line.
-pub fn bad_value<T>(
-    spot: Spot,
-    keyword: &'static str,
-    seen: &str,
-    allowed: impl Into<String>,
-) -> Result<T> {
-    Err(MeshError::Value {
-        spot,
-        keyword,
-        seen: shortened(seen),
-        allowed: allowed.into(),
-    })
+pub fn bad_value<T>(spot: Spot, keyword: &'static str, seen: &str, allowed: impl Into<String>) -> Result<T> {
+    Err(MeshError::Value { spot, keyword, seen: shortened(seen), allowed: allowed.into() })
 }
 
 /// A text for a message.
 pub fn shortened(text: &str) -> String {
     const LONGEST: usize = 60;
     let shown: String = text.chars().take(LONGEST).collect();
-    if shown.len() < text.len() {
-        format!("{shown}...")
-    } else {
-        shown
-    }
+    if shown.len() < text.len() { format!("{shown}...") } else { shown }
 }

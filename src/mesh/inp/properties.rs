@@ -10,33 +10,18 @@ type Result<T> = std::result::Result<T, MeshError>;
 pub fn read_material(keyword: &Keyword<'_>, lines: &Lines<'_>, raw: &mut Raw) -> Result<()> {
     check_parameters(keyword, "MATERIAL", &["NAME"], "NAME", lines)?;
     let name = need(keyword, "MATERIAL", "NAME", "NAME", lines)?;
-    if raw
-        .materials
-        .iter()
-        .any(|other| other.name.eq_ignore_ascii_case(name))
-    {
+    if raw.materials.iter().any(|other| other.name.eq_ignore_ascii_case(name)) {
         let spot = lines.spot(keyword.line);
-        return Err(MeshError::Duplicate {
-            spot,
-            kind: "material",
-            label: name.to_owned(),
-        });
+        return Err(MeshError::Duplicate { spot, kind: "material", label: name.to_owned() });
     }
-    raw.materials.push(RawMaterial {
-        name: name.to_owned(),
-        elastic: None,
-        density: None,
-    });
+    raw.materials.push(RawMaterial { name: name.to_owned(), elastic: None, density: None });
     Ok(())
 }
 
 pub fn read_elastic(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
     const ALLOWED: &str = "TYPE=ISO (or none)";
     check_parameters(keyword, "ELASTIC", &["TYPE"], ALLOWED, lines)?;
-    if let Some(kind) = keyword
-        .get("TYPE")
-        .filter(|kind| !["ISO", "ISOTROPIC"].contains(&canonical(kind).as_str()))
-    {
+    if let Some(kind) = keyword.get("TYPE").filter(|kind| !["ISO", "ISOTROPIC"].contains(&canonical(kind).as_str())) {
         return Err(MeshError::Parameter {
             spot: lines.spot(keyword.line),
             keyword: "ELASTIC",
@@ -47,32 +32,15 @@ pub fn read_elastic(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw)
     }
     let (line, data, values) = single_row("ELASTIC", 2, keyword, lines)?;
     let &[young, poisson] = values.as_slice() else {
-        return bad_value(
-            lines.spot(line),
-            "ELASTIC",
-            data,
-            "Young's modulus and Poisson's ratio",
-        );
+        return bad_value(lines.spot(line), "ELASTIC", data, "Young's modulus and Poisson's ratio");
     };
     if young <= 0.0 {
-        return bad_value(
-            lines.spot(line),
-            "ELASTIC",
-            data,
-            "a positive Young's modulus",
-        );
+        return bad_value(lines.spot(line), "ELASTIC", data, "a positive Young's modulus");
     }
     if !(poisson > -1.0 && poisson < 0.5) {
-        return bad_value(
-            lines.spot(line),
-            "ELASTIC",
-            data,
-            "a Poisson's ratio of more than -1 and less than 0.5",
-        );
+        return bad_value(lines.spot(line), "ELASTIC", data, "a Poisson's ratio of more than -1 and less than 0.5");
     }
-    current_material("ELASTIC", keyword, lines, raw, |m| {
-        m.elastic.replace((young, poisson)).is_some()
-    })
+    current_material("ELASTIC", keyword, lines, raw, |m| m.elastic.replace((young, poisson)).is_some())
 }
 
 pub fn read_density(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
@@ -84,9 +52,7 @@ pub fn read_density(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw)
     if density <= 0.0 {
         return bad_value(lines.spot(line), "DENSITY", data, "a positive density");
     }
-    current_material("DENSITY", keyword, lines, raw, |m| {
-        m.density.replace(density).is_some()
-    })
+    current_material("DENSITY", keyword, lines, raw, |m| m.density.replace(density).is_some())
 }
 
 /// The only data line of a material property: `count` numbers, and a temperature that does not matter.
@@ -130,49 +96,23 @@ fn current_material(
 ) -> Result<()> {
     let refused = |seen: String, advice| {
         let spot = lines.spot(keyword.line);
-        Err(MeshError::Parameter {
-            spot,
-            keyword: name,
-            seen,
-            allowed: "one in each *MATERIAL",
-            advice,
-        })
+        Err(MeshError::Parameter { spot, keyword: name, seen, allowed: "one in each *MATERIAL", advice })
     };
     let Some(material) = raw.materials.last_mut() else {
-        return refused(
-            "it stands before the first *MATERIAL".to_owned(),
-            "put it after its *MATERIAL",
-        );
+        return refused("it stands before the first *MATERIAL".to_owned(), "put it after its *MATERIAL");
     };
     if set(material) {
-        return refused(
-            format!("the material {:?} has two", material.name),
-            "remove one of them",
-        );
+        return refused(format!("the material {:?} has two", material.name), "remove one of them");
     }
     Ok(())
 }
 
-pub fn read_solid_section(
-    keyword: &Keyword<'_>,
-    lines: &mut Lines<'_>,
-    raw: &mut Raw,
-) -> Result<()> {
+pub fn read_solid_section(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
     const ALLOWED: &str = "ELSET, MATERIAL";
-    check_parameters(
-        keyword,
-        "SOLID SECTION",
-        &["ELSET", "MATERIAL"],
-        ALLOWED,
-        lines,
-    )?;
+    check_parameters(keyword, "SOLID SECTION", &["ELSET", "MATERIAL"], ALLOWED, lines)?;
     let element_set = need(keyword, "SOLID SECTION", "ELSET", ALLOWED, lines)?.to_owned();
     let material = need(keyword, "SOLID SECTION", "MATERIAL", ALLOWED, lines)?.to_owned();
-    raw.sections.push(RawSection {
-        element_set,
-        material,
-        line: keyword.line,
-    });
+    raw.sections.push(RawSection { element_set, material, line: keyword.line });
     // A thickness means nothing to a solid element.
     lines.skip_data();
     Ok(())

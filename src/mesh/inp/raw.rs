@@ -36,20 +36,11 @@ pub struct RawSet {
 
 pub enum Members {
     /// Nodes or cells by index, from `first` up to but without `end`.
-    Section {
-        first: usize,
-        end: usize,
-        line: usize,
-    },
+    Section { first: usize, end: usize, line: usize },
     /// Labels with their lines.
     Labels(Vec<(u64, u32)>),
     /// All labels from `first` to `last` by `step`.
-    Range {
-        first: u64,
-        last: u64,
-        step: u64,
-        line: usize,
-    },
+    Range { first: u64, last: u64, step: u64, line: usize },
     /// Another set.
     Set { name: String, line: usize },
 }

@@ -16,10 +16,7 @@ pub fn collect(text: &str, file: &Path) -> Result<Raw> {
     let mut raw = Raw::default();
     loop {
         if let Some((line, data)) = lines.next_data() {
-            return Err(MeshError::StrayData {
-                spot: lines.spot(line),
-                seen: shortened(data),
-            });
+            return Err(MeshError::StrayData { spot: lines.spot(line), seen: shortened(data) });
         }
         let Some(keyword) = lines.next_keyword() else {
             break;
@@ -36,14 +33,8 @@ pub fn collect(text: &str, file: &Path) -> Result<Raw> {
             "SOLIDSECTION" => read_solid_section(&keyword, &mut lines, &mut raw)?,
             "STEP" => skip_step(&keyword, &mut lines, &mut raw)?,
             name if is_harmless(name) => {
-                let text = format!(
-                    "*{} is passed over; it does not change the mesh",
-                    keyword.spelling
-                );
-                raw.warnings.push(Warning {
-                    line: keyword.line,
-                    text,
-                });
+                let text = format!("*{} is passed over; it does not change the mesh", keyword.spelling);
+                raw.warnings.push(Warning { line: keyword.line, text });
                 lines.skip_data();
             }
             name => {
@@ -57,10 +48,7 @@ pub fn collect(text: &str, file: &Path) -> Result<Raw> {
     }
     if !text.is_empty() && !text.ends_with('\n') {
         let text = "the file does not end in a line end; it may be cut off".to_owned();
-        raw.warnings.push(Warning {
-            line: lines.number(),
-            text,
-        });
+        raw.warnings.push(Warning { line: lines.number(), text });
     }
     Ok(raw)
 }
@@ -73,11 +61,7 @@ pub fn check_parameters(
     allowed: &'static str,
     lines: &Lines<'_>,
 ) -> Result<()> {
-    let Some((parameter, _)) = keyword
-        .parameters
-        .iter()
-        .find(|(p, _)| !known.contains(&p.as_str()))
-    else {
+    let Some((parameter, _)) = keyword.parameters.iter().find(|(p, _)| !known.contains(&p.as_str())) else {
         return Ok(());
     };
     Err(MeshError::Parameter {
@@ -97,26 +81,19 @@ pub fn need<'a>(
     allowed: &'static str,
     lines: &Lines<'_>,
 ) -> Result<&'a str> {
-    keyword
-        .get(parameter)
-        .filter(|value| !value.is_empty())
-        .ok_or_else(|| MeshError::Parameter {
-            spot: lines.spot(keyword.line),
-            keyword: name,
-            seen: format!("the parameter {parameter} is missing"),
-            allowed,
-            advice: "add it",
-        })
+    keyword.get(parameter).filter(|value| !value.is_empty()).ok_or_else(|| MeshError::Parameter {
+        spot: lines.spot(keyword.line),
+        keyword: name,
+        seen: format!("the parameter {parameter} is missing"),
+        allowed,
+        advice: "add it",
+    })
 }
 
 /// Passes over everything up to `*END STEP`.
 fn skip_step(step: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    let text =
-        "*STEP to *END STEP is passed over; the machine file says what is clamped and computed";
-    raw.warnings.push(Warning {
-        line: step.line,
-        text: text.to_owned(),
-    });
+    let text = "*STEP to *END STEP is passed over; the machine file says what is clamped and computed";
+    raw.warnings.push(Warning { line: step.line, text: text.to_owned() });
     loop {
         lines.skip_data();
         match lines.next_keyword() {
@@ -124,11 +101,7 @@ fn skip_step(step: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result
             Some(_) => {}
             None => {
                 let detail = format!("no *END STEP for the *STEP of line {}", step.line);
-                return Err(MeshError::Truncated {
-                    spot: lines.spot(lines.number()),
-                    what: "the file",
-                    detail,
-                });
+                return Err(MeshError::Truncated { spot: lines.spot(lines.number()), what: "the file", detail });
             }
         }
     }

@@ -43,9 +43,7 @@ impl Set {
 impl Sets {
     /// The members of a set.
     pub fn get(&self, name: &str) -> Option<&[u32]> {
-        self.0
-            .get(&name.to_uppercase())
-            .map(|set| set.members.as_slice())
+        self.0.get(&name.to_uppercase()).map(|set| set.members.as_slice())
     }
 
     /// The set that `name` is probably a misspelling of.
@@ -55,16 +53,8 @@ impl Sets {
 
     /// The sets under their own names, their members renumbered in the same order, or left out.
     pub fn named(self, keep: impl Fn(usize) -> Option<usize>) -> BTreeMap<String, Vec<usize>> {
-        let renumbered = |members: Vec<u32>| {
-            members
-                .into_iter()
-                .filter_map(|index| keep(index as usize))
-                .collect()
-        };
-        self.0
-            .into_values()
-            .map(|set| (set.spelling, renumbered(set.members)))
-            .collect()
+        let renumbered = |members: Vec<u32>| members.into_iter().filter_map(|index| keep(index as usize)).collect();
+        self.0.into_values().map(|set| (set.spelling, renumbered(set.members))).collect()
     }
 }
 
@@ -85,18 +75,11 @@ pub struct Kind<'a> {
 
 impl<'a> Resolver<'a> {
     pub fn new(file: &'a Path, warnings: Vec<Warning>) -> Self {
-        Resolver {
-            file,
-            members: 0,
-            warnings,
-        }
+        Resolver { file, members: 0, warnings }
     }
 
     fn spot(&self, line: usize) -> Spot {
-        Spot {
-            file: self.file.to_path_buf(),
-            line,
-        }
+        Spot { file: self.file.to_path_buf(), line }
     }
 
     /// Members of each set as ascending indices without duplicates.
@@ -105,11 +88,7 @@ impl<'a> Resolver<'a> {
         for RawSet { name, members } in pieces {
             let added = self.piece(members, kind, name, &sets)?;
             let entry = sets.0.entry(name.to_uppercase());
-            let new = || Set {
-                spelling: name.clone(),
-                members: Vec::new(),
-                sorted: 0,
-            };
+            let new = || Set { spelling: name.clone(), members: Vec::new(), sorted: 0 };
             entry.or_insert_with(new).extend(&added);
         }
         sets.0.values_mut().for_each(Set::sort);
@@ -117,38 +96,20 @@ impl<'a> Resolver<'a> {
     }
 
     /// Members that one piece adds to the set `name`.
-    fn piece(
-        &mut self,
-        members: &Members,
-        kind: &Kind<'_>,
-        name: &str,
-        sets: &Sets,
-    ) -> Result<Vec<u32>> {
+    fn piece(&mut self, members: &Members, kind: &Kind<'_>, name: &str, sets: &Sets) -> Result<Vec<u32>> {
         let (added, line) = match members {
-            Members::Section { first, end, line } => {
-                ((*first as u32..*end as u32).collect(), *line)
-            }
+            Members::Section { first, end, line } => ((*first as u32..*end as u32).collect(), *line),
             Members::Labels(list) => {
                 let last_line = list.last().map_or(0, |(_, line)| *line as usize);
                 (self.listed(list, kind, name)?, last_line)
             }
-            Members::Range {
-                first,
-                last,
-                step,
-                line,
-            } => (
-                self.range([*first, *last, *step], *line, kind, name)?,
-                *line,
-            ),
+            Members::Range { first, last, step, line } => {
+                (self.range([*first, *last, *step], *line, kind, name)?, *line)
+            }
             Members::Set { name: other, line } => {
                 let added = sets.get(other).ok_or_else(|| MeshError::UnknownName {
                     spot: self.spot(*line),
-                    kind: if kind.name == "node" {
-                        "node set above"
-                    } else {
-                        "element set above"
-                    },
+                    kind: if kind.name == "node" { "node set above" } else { "element set above" },
                     name: other.clone(),
                     nearest: sets.nearest(other),
                 })?;
@@ -158,10 +119,7 @@ impl<'a> Resolver<'a> {
         self.members += added.len();
         let limit = MOST_MEMBERS.max(MOST_MEMBERS_PER_LABEL * kind.labels.len());
         if self.members > limit {
-            return Err(MeshError::TooManyMembers {
-                spot: self.spot(line),
-                limit,
-            });
+            return Err(MeshError::TooManyMembers { spot: self.spot(line), limit });
         }
         Ok(added)
     }
@@ -169,15 +127,12 @@ impl<'a> Resolver<'a> {
     fn listed(&self, list: &[(u64, u32)], kind: &Kind<'_>, name: &str) -> Result<Vec<u32>> {
         let mut added = Vec::with_capacity(list.len());
         for &(label, line) in list {
-            let index = kind
-                .labels
-                .find(label)
-                .ok_or_else(|| MeshError::MissingLabel {
-                    spot: self.spot(line as usize),
-                    by: format!("the {} set {name:?}", kind.name),
-                    kind: kind.name,
-                    label,
-                })?;
+            let index = kind.labels.find(label).ok_or_else(|| MeshError::MissingLabel {
+                spot: self.spot(line as usize),
+                by: format!("the {} set {name:?}", kind.name),
+                kind: kind.name,
+                label,
+            })?;
             added.push(index as u32);
         }
         Ok(added)
@@ -185,38 +140,18 @@ impl<'a> Resolver<'a> {
 
     /// The existing labels of `first, first + step, ..., last`; those that do not exist are counted in a
     /// warning, as numbers with gaps are usual. Never more work than the mesh has labels.
-    fn range(
-        &mut self,
-        [first, last, step]: [u64; 3],
-        line: usize,
-        kind: &Kind<'_>,
-        name: &str,
-    ) -> Result<Vec<u32>> {
+    fn range(&mut self, [first, last, step]: [u64; 3], line: usize, kind: &Kind<'_>, name: &str) -> Result<Vec<u32>> {
         let count = (last - first) / step + 1;
         let added: Vec<u32> = if count <= kind.labels.len() as u64 {
-            (0..count)
-                .filter_map(|i| kind.labels.find(first + i * step))
-                .map(|index| index as u32)
-                .collect()
+            (0..count).filter_map(|i| kind.labels.find(first + i * step)).map(|index| index as u32).collect()
         } else {
             self.members += kind.labels.len();
-            let inside = |label: u64| {
-                (first..=last).contains(&label) && (label - first).is_multiple_of(step)
-            };
-            kind.labels
-                .iter()
-                .filter(|(label, _)| inside(*label))
-                .map(|(_, index)| index as u32)
-                .collect()
+            let inside = |label: u64| (first..=last).contains(&label) && (label - first).is_multiple_of(step);
+            kind.labels.iter().filter(|(label, _)| inside(*label)).map(|(_, index)| index as u32).collect()
         };
         if added.is_empty() {
             let by = format!("the {} set {name:?}", kind.name);
-            return Err(MeshError::MissingLabel {
-                spot: self.spot(line),
-                by,
-                kind: kind.name,
-                label: first,
-            });
+            return Err(MeshError::MissingLabel { spot: self.spot(line), by, kind: kind.name, label: first });
         }
         let missing = count - added.len() as u64;
         if missing > 0 {

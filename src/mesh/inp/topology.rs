@@ -16,26 +16,12 @@ pub fn read_nodes(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -
         let mut next = || values.next().and_then(number);
         let node = (label, next(), next(), next());
         let (Some(label), Some(x), Some(y), Some(z)) = node else {
-            return bad_value(
-                lines.spot(line),
-                "NODE",
-                data,
-                "a label and three finite coordinates",
-            );
+            return bad_value(lines.spot(line), "NODE", data, "a label and three finite coordinates");
         };
         if values.next().is_some() {
-            return bad_value(
-                lines.spot(line),
-                "NODE",
-                data,
-                "a label and three coordinates, no more",
-            );
+            return bad_value(lines.spot(line), "NODE", data, "a label and three coordinates, no more");
         }
-        raw.nodes.push(RawNode {
-            label,
-            at: [x, y, z],
-            line: line as u32,
-        });
+        raw.nodes.push(RawNode { label, at: [x, y, z], line: line as u32 });
     }
     add_section_set(keyword, "NSET", first, raw.nodes.len(), &mut raw.node_sets);
     Ok(())
@@ -60,13 +46,7 @@ pub fn read_elements(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw
     while let Some((line, data)) = lines.next_data() {
         read_element(kind, line, data, lines, raw)?;
     }
-    add_section_set(
-        keyword,
-        "ELSET",
-        first,
-        raw.cells.len(),
-        &mut raw.element_sets,
-    );
+    add_section_set(keyword, "ELSET", first, raw.cells.len(), &mut raw.element_sets);
     Ok(())
 }
 
@@ -84,12 +64,7 @@ fn read_element(
     loop {
         for field in fields(data) {
             let Some(value) = label(field) else {
-                return bad_value(
-                    lines.spot(line),
-                    "ELEMENT",
-                    field,
-                    "labels, whole numbers from 1 on",
-                );
+                return bad_value(lines.spot(line), "ELEMENT", field, "labels, whole numbers from 1 on");
             };
             if cell.is_none() {
                 cell = Some(value);
@@ -97,10 +72,7 @@ fn read_element(
                 raw.cell_nodes.push(value);
                 missing -= 1;
             } else {
-                let allowed = format!(
-                    "an element label and {} node labels, no more",
-                    kind.node_count()
-                );
+                let allowed = format!("an element label and {} node labels, no more", kind.node_count());
                 return bad_value(lines.spot(line), "ELEMENT", data, allowed);
             }
         }
@@ -110,52 +82,25 @@ fn read_element(
         (line, data) = lines.next_data().ok_or_else(|| MeshError::Truncated {
             spot: lines.spot(line),
             what: "*ELEMENT",
-            detail: format!(
-                "its last element lacks {missing} of {} nodes",
-                kind.node_count()
-            ),
+            detail: format!("its last element lacks {missing} of {} nodes", kind.node_count()),
         })?;
     }
     let nodes = &raw.cell_nodes[raw.cell_nodes.len() - kind.node_count()..];
-    if let Some(node) = nodes
-        .iter()
-        .enumerate()
-        .find_map(|(i, node)| nodes[..i].contains(node).then_some(node))
-    {
-        let allowed = format!(
-            "{} different nodes, not node {node} twice",
-            kind.node_count()
-        );
+    if let Some(node) = nodes.iter().enumerate().find_map(|(i, node)| nodes[..i].contains(node).then_some(node)) {
+        let allowed = format!("{} different nodes, not node {node} twice", kind.node_count());
         return bad_value(lines.spot(line), "ELEMENT", first_data, allowed);
     }
     if let Some(label) = cell {
-        raw.cells.push(RawCell {
-            kind,
-            label,
-            line: first_line as u32,
-        });
+        raw.cells.push(RawCell { kind, label, line: first_line as u32 });
     }
     Ok(())
 }
 
 /// Adds the nodes or elements of a section to the set that its keyword names.
-fn add_section_set(
-    keyword: &Keyword<'_>,
-    parameter: &str,
-    first: usize,
-    end: usize,
-    sets: &mut Vec<RawSet>,
-) {
+fn add_section_set(keyword: &Keyword<'_>, parameter: &str, first: usize, end: usize, sets: &mut Vec<RawSet>) {
     if let Some(name) = keyword.get(parameter).filter(|name| !name.is_empty()) {
-        let members = Members::Section {
-            first,
-            end,
-            line: keyword.line,
-        };
-        sets.push(RawSet {
-            name: name.to_owned(),
-            members,
-        });
+        let members = Members::Section { first, end, line: keyword.line };
+        sets.push(RawSet { name: name.to_owned(), members });
     }
 }
 
@@ -165,25 +110,10 @@ pub fn read_set(
     lines: &mut Lines<'_>,
     sets: &mut Vec<RawSet>,
 ) -> Result<()> {
-    let allowed = if kind == "NSET" {
-        "NSET, GENERATE"
-    } else {
-        "ELSET, GENERATE"
-    };
-    check_parameters(
-        keyword,
-        kind,
-        &[kind, "GENERATE", "INTERNAL", "UNSORTED"],
-        allowed,
-        lines,
-    )?;
+    let allowed = if kind == "NSET" { "NSET, GENERATE" } else { "ELSET, GENERATE" };
+    check_parameters(keyword, kind, &[kind, "GENERATE", "INTERNAL", "UNSORTED"], allowed, lines)?;
     let name = need(keyword, kind, kind, allowed, lines)?;
-    let mut push = |members| {
-        sets.push(RawSet {
-            name: name.to_owned(),
-            members,
-        })
-    };
+    let mut push = |members| sets.push(RawSet { name: name.to_owned(), members });
     let mut labels = Vec::new();
     while let Some((line, data)) = lines.next_data() {
         if keyword.get("GENERATE").is_some() {
@@ -194,18 +124,10 @@ pub fn read_set(
             match label(field) {
                 Some(label) => labels.push((label, line as u32)),
                 None if field.starts_with(|c: char| c.is_alphabetic() || c == '_') => {
-                    push(Members::Set {
-                        name: field.to_owned(),
-                        line,
-                    });
+                    push(Members::Set { name: field.to_owned(), line });
                 }
                 None => {
-                    return bad_value(
-                        lines.spot(line),
-                        kind,
-                        field,
-                        "labels from 1 on, or names of sets",
-                    );
+                    return bad_value(lines.spot(line), kind, field, "labels from 1 on, or names of sets");
                 }
             }
         }
@@ -218,18 +140,8 @@ pub fn read_set(
 fn read_range(kind: &'static str, line: usize, data: &str, lines: &Lines<'_>) -> Result<Members> {
     let values: Option<Vec<u64>> = fields(data).take(4).map(label).collect();
     match values.as_deref() {
-        Some(&[first, last]) if first <= last => Ok(Members::Range {
-            first,
-            last,
-            step: 1,
-            line,
-        }),
-        Some(&[first, last, step]) if first <= last => Ok(Members::Range {
-            first,
-            last,
-            step,
-            line,
-        }),
+        Some(&[first, last]) if first <= last => Ok(Members::Range { first, last, step: 1, line }),
+        Some(&[first, last, step]) if first <= last => Ok(Members::Range { first, last, step, line }),
         _ => bad_value(
             lines.spot(line),
             kind,
