@@ -62,9 +62,8 @@ pub fn box_mesh(from: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Mesh {
             if (b + 3 - a) % 3 != 1 {
                 corners.swap(1, 2);
             }
-            let middle = |[a, b]: [usize; 2]| {
-                std::array::from_fn(|c| (corners[a][c] + corners[b][c]) / 2)
-            };
+            let middle =
+                |[a, b]: [usize; 2]| std::array::from_fn(|c| (corners[a][c] + corners[b][c]) / 2);
             let nodes = corners.into_iter().chain(SIDES.map(middle));
             mesh.cells.push(Cell {
                 kind: CellKind::Tet10,
