@@ -21,30 +21,17 @@ impl Room {
         let mut part = part("post", &["ZMIN"], vec![on("ZMAX")]);
         part.mesh = folder.path().join("post.inp");
         std::fs::write(&part.mesh, "the bytes of the mesh").expect("writes");
-        let request = ReductionRequest {
-            part,
-            component: craig_bampton(4),
-            rails: Vec::new(),
-        };
+        let request = ReductionRequest { part, component: craig_bampton(4), rails: Vec::new() };
         let cache = Cache::in_folder(folder.path().join("cache"));
-        Self {
-            cache,
-            request,
-            mesh: box_mesh([0.0; 3], [0.1, 0.1, 0.3], [1, 1, 2]),
-            folder,
-        }
+        Self { cache, request, mesh: box_mesh([0.0; 3], [0.1, 0.1, 0.3], [1, 1, 2]), folder }
     }
 
     fn reduce(&self) -> Cached {
-        self.cache
-            .reduce(&self.request, &self.mesh, None)
-            .expect("reduces")
+        self.cache.reduce(&self.request, &self.mesh, None).expect("reduces")
     }
 
     fn file(&self) -> PathBuf {
-        self.cache
-            .file(&self.request)
-            .expect("the mesh can be read")
+        self.cache.file(&self.request).expect("the mesh can be read")
     }
 }
 
@@ -56,9 +43,7 @@ fn a_second_call_reads_what_the_first_one_computed() {
     let second = room.reduce();
     assert!(second.hit && second.warnings.is_empty());
     assert_eq!(first.superelement, second.superelement, "to the last bit");
-    let entries = std::fs::read_dir(room.cache.folder())
-        .expect("folder")
-        .count();
+    let entries = std::fs::read_dir(room.cache.folder()).expect("folder").count();
     assert_eq!(entries, 1, "nothing written aside is left");
 }
 
@@ -76,28 +61,18 @@ fn a_damaged_file_is_reported_and_rebuilt_with_the_same_result() {
     let good = room.reduce().superelement;
     let length = std::fs::metadata(room.file()).expect("file").len() as usize;
     let untouched = damage(&room, |_| {});
-    assert!(
-        untouched.hit && untouched.warnings.is_empty(),
-        "control: rewritten as it was it is a hit"
-    );
+    assert!(untouched.hit && untouched.warnings.is_empty(), "control: rewritten as it was it is a hit");
     let places = [0, 17, 25, 40, 64, 100, length / 2, length - 1];
     for place in places {
         let cached = damage(&room, |bytes| bytes[place] ^= 0x10);
         assert!(!cached.hit, "byte {place}");
-        assert!(
-            matches!(&cached.warnings[..], [CacheError::Damaged { .. }]),
-            "byte {place}: {:?}",
-            cached.warnings
-        );
+        assert!(matches!(&cached.warnings[..], [CacheError::Damaged { .. }]), "byte {place}: {:?}", cached.warnings);
         assert_eq!(cached.superelement, good, "byte {place}");
         assert!(room.reduce().hit, "rebuilt");
     }
     for kept in [0, 10, 63, 64, 70, length / 2, length - 1] {
         let cached = damage(&room, |bytes| bytes.truncate(kept));
-        assert!(
-            !cached.hit && matches!(&cached.warnings[..], [CacheError::Damaged { .. }]),
-            "{kept} bytes left"
-        );
+        assert!(!cached.hit && matches!(&cached.warnings[..], [CacheError::Damaged { .. }]), "{kept} bytes left");
         assert_eq!(cached.superelement, good);
     }
     let longer = damage(&room, |bytes| bytes.push(0));
@@ -119,35 +94,20 @@ fn the_key_depends_on_all_that_the_superelement_depends_on_and_on_nothing_else()
     };
     changed("a material", &|r| r.part.material = Some(steel()));
     changed("its stiffness in the last digit", &|r| {
-        r.part.material = Some(Material {
-            young: f64::from_bits(210e9f64.to_bits() + 1),
-            ..steel()
-        });
+        r.part.material = Some(Material { young: f64::from_bits(210e9f64.to_bits() + 1), ..steel() });
     });
     changed("more modes", &|r| r.component.modes += 1);
     changed("a band", &|r| r.component.band = 1000.0);
-    changed("the method", &|r| {
-        r.component.method = ReductionMethod::FreeInterface
-    });
+    changed("the method", &|r| r.component.method = ReductionMethod::FreeInterface);
     changed("second moments", &|r| r.component.second_moment = false);
     changed("the clamp", &|r| r.part.clamped = vec!["ZMAX".into()]);
-    changed("an interface", &|r| {
-        r.part.interfaces[0].nodes = "XMAX".into()
-    });
-    changed("its region", &|r| {
-        r.part.interfaces[0].within = Some(slab(0, 0.0, 0.05))
-    });
-    changed("its coupling", &|r| {
-        r.part.interfaces[0].coupling = SurfaceCoupling::Rigid
-    });
+    changed("an interface", &|r| r.part.interfaces[0].nodes = "XMAX".into());
+    changed("its region", &|r| r.part.interfaces[0].within = Some(slab(0, 0.0, 0.05)));
+    changed("its coupling", &|r| r.part.interfaces[0].coupling = SurfaceCoupling::Rigid);
     changed("the unit of the mesh", &|r| r.part.mesh_units.length = 1e-3);
     let mut loss = room.request.clone();
     loss.part.loss_factor = Some(0.01);
-    assert_eq!(
-        room.cache.file(&loss).expect("reads"),
-        original,
-        "a loss factor does not touch the superelement"
-    );
+    assert_eq!(room.cache.file(&loss).expect("reads"), original, "a loss factor does not touch the superelement");
 
     let elsewhere = room.folder.path().join("moved");
     std::fs::create_dir(&elsewhere).expect("folder");
@@ -156,22 +116,14 @@ fn the_key_depends_on_all_that_the_superelement_depends_on_and_on_nothing_else()
         std::fs::write(path, bytes).expect("writes");
         let mut request = room.request.clone();
         request.part.mesh = path.to_path_buf();
-        room.cache
-            .file(&request)
-            .expect("reads")
-            .file_name()
-            .map(|n| n.to_owned())
+        room.cache.file(&request).expect("reads").file_name().map(|n| n.to_owned())
     };
     assert_eq!(
         named(&copy, "the bytes of the mesh"),
         original.file_name().map(|n| n.to_owned()),
         "wherever the mesh lies"
     );
-    assert_ne!(
-        named(&copy, "the bytes of the Mesh"),
-        original.file_name().map(|n| n.to_owned()),
-        "a byte of the mesh"
-    );
+    assert_ne!(named(&copy, "the bytes of the Mesh"), original.file_name().map(|n| n.to_owned()), "a byte of the mesh");
 }
 
 #[test]
@@ -181,15 +133,7 @@ fn a_folder_that_cannot_be_written_is_reported_and_the_result_still_comes() {
     std::fs::write(&blocked, "").expect("writes");
     room.cache = Cache::in_folder(&blocked);
     let cached = room.reduce();
-    assert!(
-        !cached.hit
-            && cached
-                .warnings
-                .iter()
-                .any(|w| matches!(w, CacheError::Io { .. })),
-        "{:?}",
-        cached.warnings
-    );
+    assert!(!cached.hit && cached.warnings.iter().any(|w| matches!(w, CacheError::Io { .. })), "{:?}", cached.warnings);
     let good = Room::new().reduce().superelement;
     assert_eq!(cached.superelement, good);
 }

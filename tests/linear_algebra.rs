@@ -24,19 +24,13 @@ fn body() -> &'static Body {
         let system = assemble(&part("beam", &["ZMIN"], vec![]), &mesh).expect("assembles");
         let ordering = system.ordering().expect("METIS orders it");
         let eigenvalues = eigenvalues(&full(&system.stiffness), &full(&system.mass), 0.0);
-        Body {
-            system,
-            ordering,
-            eigenvalues,
-        }
+        Body { system, ordering, eigenvalues }
     })
 }
 
 /// Reproducible numbers in (-1, 1).
 fn numbers(rows: usize, columns: usize, seed: f64) -> DMatrix<f64> {
-    DMatrix::from_fn(rows, columns, |i, j| {
-        ((i * columns + j) as f64 * 78.233 + seed).sin() * 43_758.545 % 1.0
-    })
+    DMatrix::from_fn(rows, columns, |i, j| ((i * columns + j) as f64 * 78.233 + seed).sin() * 43_758.545 % 1.0)
 }
 
 #[test]
@@ -61,32 +55,18 @@ fn cholesky_solves_to_a_small_residual() {
     let scale = full(k).amax() * x.amax();
     let residual = |x: &DMatrix<f64>| (&b - k.multiply(x)).amax() / scale;
     assert!(residual(&x) < 1e-14, "{:.1e}", residual(&x));
-    assert!(
-        residual(&(&x * (1.0 + 1e-6))) > 100.0 * residual(&x),
-        "control: 1e-6 of the solution shows"
-    );
+    assert!(residual(&(&x * (1.0 + 1e-6))) > 100.0 * residual(&x), "control: 1e-6 of the solution shows");
     let dense = full(k).cholesky().expect("positive definite").solve(&b);
     assert!((&x - &dense).amax() < 1e-9 * dense.amax());
 }
 
 #[test]
 fn cholesky_refuses_an_indefinite_matrix() {
-    let Body {
-        system,
-        ordering,
-        eigenvalues,
-    } = body();
-    let shifted = system
-        .stiffness
-        .plus_scaled(-1.01 * eigenvalues[0], &system.mass);
+    let Body { system, ordering, eigenvalues } = body();
+    let shifted = system.stiffness.plus_scaled(-1.01 * eigenvalues[0], &system.mass);
     let refused = Cholesky::new(&shifted, ordering).err();
-    assert!(
-        matches!(refused, Some(LinalgError::NotPositiveDefinite { n, .. }) if n == system.n_dof()),
-        "{refused:?}"
-    );
-    let below = system
-        .stiffness
-        .plus_scaled(-0.99 * eigenvalues[0], &system.mass);
+    assert!(matches!(refused, Some(LinalgError::NotPositiveDefinite { n, .. }) if n == system.n_dof()), "{refused:?}");
+    let below = system.stiffness.plus_scaled(-0.99 * eigenvalues[0], &system.mass);
     assert!(Cholesky::new(&below, ordering).is_ok());
 }
 
@@ -115,25 +95,11 @@ proptest! {
 
 #[test]
 fn lanczos_finds_the_dense_eigenvalues_with_mass_normalised_shapes() {
-    let Body {
-        system,
-        ordering,
-        eigenvalues,
-    } = body();
+    let Body { system, ordering, eigenvalues } = body();
     let factor = Cholesky::new(&system.stiffness, ordering).expect("positive definite");
     let find = |modes: usize, block: usize| {
-        let options = LanczosOptions {
-            modes,
-            block,
-            tolerance: 1e-8,
-            interrupt: None,
-        };
-        lowest_modes(
-            &system.mass,
-            &|load: &DMatrix<f64>| factor.solve(load),
-            options,
-        )
-        .expect("converges")
+        let options = LanczosOptions { modes, block, tolerance: 1e-8, interrupt: None };
+        lowest_modes(&system.mass, &|load: &DMatrix<f64>| factor.solve(load), options).expect("converges")
     };
     for (modes, block) in [(1, 1), (12, 1), (12, 4), (40, 8), (system.n_dof(), 8)] {
         let found = find(modes, block);
@@ -147,10 +113,7 @@ fn lanczos_finds_the_dense_eigenvalues_with_mass_normalised_shapes() {
             assert!((stiffness[(r, r)] / found.eigenvalues[r] - 1.0).abs() < 1e-8);
         }
     }
-    assert!(
-        worst_ratio(&find(12, 4).eigenvalues, &eigenvalues[1..13]) > 0.05,
-        "control: shifted by one mode"
-    );
+    assert!(worst_ratio(&find(12, 4).eigenvalues, &eigenvalues[1..13]) > 0.05, "control: shifted by one mode");
 }
 
 /// L diag(values) L^T with unit lower triangular L: graded from the first unknown to the last.
@@ -159,9 +122,7 @@ fn graded(values: &[f64]) -> DMatrix<f64> {
     let lower = DMatrix::from_fn(n, n, |i, j| match i.cmp(&j) {
         std::cmp::Ordering::Less => 0.0,
         std::cmp::Ordering::Equal => 1.0,
-        std::cmp::Ordering::Greater => {
-            0.3 * ((i * n + j) as f64 * 12.9898).sin() / (1.0 + (i - j) as f64)
-        }
+        std::cmp::Ordering::Greater => 0.3 * ((i * n + j) as f64 * 12.9898).sin() / (1.0 + (i - j) as f64),
     });
     let root = DVector::from_iterator(n, values.iter().map(|v| v.sqrt()));
     let scaled = lower * DMatrix::from_diagonal(&root);
@@ -175,9 +136,7 @@ fn by_inverse(a: &DMatrix<f64>) -> Vec<f64> {
 }
 
 fn spectrum() -> Vec<f64> {
-    (0..200)
-        .map(|i| 10f64.powf(4.0 + 8.0 * i as f64 / 199.0))
-        .collect()
+    (0..200).map(|i| 10f64.powf(4.0 + 8.0 * i as f64 / 199.0)).collect()
 }
 
 /// Largest relative error of the 40 lowest eigenvalues, whatever the order of the unknowns.
@@ -206,10 +165,7 @@ fn the_dense_eigenproblem_is_backward_stable_on_a_graded_matrix() {
     assert!(error < 2e-8, "{error:.1e}");
     let mut reference = by_inverse(&a);
     reference[0] *= 1.0 + 1e-6;
-    assert!(
-        worst_ratio(&eigen.values.as_slice()[..1], &reference[..1]) > 2e-8,
-        "control"
-    );
+    assert!(worst_ratio(&eigen.values.as_slice()[..1], &reference[..1]) > 2e-8, "control");
 }
 
 #[test]
@@ -225,21 +181,14 @@ fn polishing_makes_the_low_end_accurate_and_without_it_the_error_shows() {
     let reference = by_inverse(&a);
     let error = |polished: usize| {
         let eigen = symmetric_eigen_polished(&a, polished).expect("converges");
-        (
-            worst_ratio(&eigen.values.as_slice()[..30], &reference[..30]),
-            eigen,
-        )
+        (worst_ratio(&eigen.values.as_slice()[..30], &reference[..30]), eigen)
     };
     let ((rough, _), (fine, eigen)) = (error(0), error(40));
     println!("polished {fine:.1e}, not {rough:.1e}");
     assert!(fine < 1e-10, "{fine:.1e}");
-    assert!(
-        rough > 10.0 * fine,
-        "control: {rough:.1e} without polishing"
-    );
+    assert!(rough > 10.0 * fine, "control: {rough:.1e} without polishing");
     let residual = &a * eigen.vectors.columns(0, 30)
-        - eigen.vectors.columns(0, 30)
-            * DMatrix::from_diagonal(&eigen.values.rows(0, 30).into_owned());
+        - eigen.vectors.columns(0, 30) * DMatrix::from_diagonal(&eigen.values.rows(0, 30).into_owned());
     assert!(residual.amax() < 1e-14 * a.amax());
 }
 
@@ -249,22 +198,13 @@ fn small_counts_and_spans_are_what_they_say() {
     assert_eq!(count_negative(&a).expect("finite"), 2);
     assert_eq!(count_negative(&-a).expect("finite"), 2);
     let three = numbers(20, 3, 0.1);
-    let six = DMatrix::from_fn(20, 6, |i, j| {
-        if j < 3 {
-            three[(i, j)]
-        } else {
-            three[(i, j - 3)] + three[(i, j % 2)]
-        }
-    });
+    let six = DMatrix::from_fn(20, 6, |i, j| if j < 3 { three[(i, j)] } else { three[(i, j - 3)] + three[(i, j % 2)] });
     let span = orthonormal_span(&six, 1e-10).expect("finite");
     assert_eq!(span.ncols(), 3);
     assert!((&span * span.transpose() * &six - &six).amax() < 1e-13);
     let combine = independent_directions(&(six.transpose() * &six), 1e-10).expect("finite");
     assert_eq!(combine.ncols(), 3);
-    assert!(
-        ((&six * &combine).transpose() * (&six * &combine) - DMatrix::identity(3, 3)).amax()
-            < 1e-12
-    );
+    assert!(((&six * &combine).transpose() * (&six * &combine) - DMatrix::identity(3, 3)).amax() < 1e-12);
     assert!(orthonormal_span(&DMatrix::from_element(3, 1, f64::NAN), 1e-10).is_err());
     assert!(symmetric_eigen(&DMatrix::from_element(2, 2, f64::NAN)).is_err());
     let b = numbers(7, 9, 3.0);

@@ -24,13 +24,8 @@ fn mill() -> &'static Mill {
     MILL.get_or_init(|| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("machines/vertical_mill");
         let machine = read_machine(&folder).expect("the bundled machine file");
-        let read = |part: &stiffmap::machine::Part| {
-            read_mesh(&part.mesh, part.mesh_units).expect("a bundled mesh")
-        };
-        Mill {
-            meshes: machine.parts.iter().map(read).collect(),
-            machine,
-        }
+        let read = |part: &stiffmap::machine::Part| read_mesh(&part.mesh, part.mesh_units).expect("a bundled mesh");
+        Mill { meshes: machine.parts.iter().map(read).collect(), machine }
     })
 }
 
@@ -42,20 +37,10 @@ fn model_by(method: ReductionMethod) -> CoupledModel {
         .parts
         .iter()
         .zip(meshes)
-        .map(|(part, mesh)| {
-            interface_motions(part, mesh)
-                .expect("surfaces")
-                .iter()
-                .map(|(_, m)| m.centroid)
-                .collect()
-        })
+        .map(|(part, mesh)| interface_motions(part, mesh).expect("surfaces").iter().map(|(_, m)| m.centroid).collect())
         .collect();
     let requests = reduction_requests(&machine, &centroids);
-    let reduced: Vec<_> = requests
-        .iter()
-        .zip(meshes)
-        .map(|(r, m)| reduce(r, m, None).expect("reduces"))
-        .collect();
+    let reduced: Vec<_> = requests.iter().zip(meshes).map(|(r, m)| reduce(r, m, None).expect("reduces")).collect();
     couple(&machine, &reduced, BasisOptions::for_band(BAND)).expect("couples")
 }
 
@@ -74,39 +59,24 @@ struct Reference {
 }
 
 fn reference() -> Reference {
-    let json: serde_json::Value =
-        serde_json::from_str(include_str!("reference/full_order_top.json")).expect("JSON");
+    let json: serde_json::Value = serde_json::from_str(include_str!("reference/full_order_top.json")).expect("JSON");
     let numbers = |value: &serde_json::Value| -> Vec<f64> {
-        value
-            .as_array()
-            .expect("a list")
-            .iter()
-            .map(|v| v.as_f64().expect("a number"))
-            .collect()
+        value.as_array().expect("a list").iter().map(|v| v.as_f64().expect("a number")).collect()
     };
     let receptance = &json["undamped_tool_receptance_m_per_N"];
-    let matrices = receptance["matrix"]
-        .as_array()
-        .expect("a list")
-        .iter()
-        .map(|m| {
-            let rows: Vec<Vec<f64>> = m.as_array().expect("rows").iter().map(numbers).collect();
-            DMatrix::from_fn(3, 3, |i, j| rows[i][j])
-        });
+    let matrices = receptance["matrix"].as_array().expect("a list").iter().map(|m| {
+        let rows: Vec<Vec<f64>> = m.as_array().expect("rows").iter().map(numbers).collect();
+        DMatrix::from_fn(3, 3, |i, j| rows[i][j])
+    });
     Reference {
         frequencies: numbers(&json["frequencies_hz"]),
-        receptance: numbers(&receptance["frequency_hz"])
-            .into_iter()
-            .zip(matrices)
-            .collect(),
+        receptance: numbers(&receptance["frequency_hz"]).into_iter().zip(matrices).collect(),
     }
 }
 
 fn worst_frequency(modes: &Modes, expected: &[f64]) -> f64 {
     let pairs = expected.iter().enumerate();
-    pairs
-        .map(|(r, f)| (modes.frequency(modes.free + r) / f - 1.0).abs())
-        .fold(0.0, f64::max)
+    pairs.map(|(r, f)| (modes.frequency(modes.free + r) / f - 1.0).abs()).fold(0.0, f64::max)
 }
 
 #[test]
@@ -117,10 +87,7 @@ fn thirty_frequencies_at_the_top_are_the_unreduced_models() {
     println!("largest error of 30 frequencies: {worst:.1e}");
     assert!(worst < 2e-5, "{worst:.1e}");
     let moved = worst_frequency(&modes_of(craig_bampton(), -0.005), &reference.frequencies);
-    assert!(
-        moved > 1e-4,
-        "control: one station further down it is another machine, {moved:.1e}"
-    );
+    assert!(moved > 1e-4, "control: one station further down it is another machine, {moved:.1e}");
 }
 
 /// The undamped sum over all modes with the direct term, m/N; the free motions do not reach the tool.
@@ -145,12 +112,8 @@ fn the_undamped_receptance_at_the_tool_is_the_unreduced_models() {
         println!("{frequency} Hz: {error:.1e}");
         assert!(error < 1e-3, "{frequency} Hz: {error:.1e}");
         let moved = (receptance(&modes, frequency * 1.01, all) - exact).norm() / exact.norm();
-        let cut = (receptance(&modes, *frequency, 31) - modes.direct.clone() - exact).norm()
-            / exact.norm();
-        assert!(
-            moved.max(cut) > 1e-3,
-            "control: 1 % in frequency or 30 modes alone show, {moved:.1e} {cut:.1e}"
-        );
+        let cut = (receptance(&modes, *frequency, 31) - modes.direct.clone() - exact).norm() / exact.norm();
+        assert!(moved.max(cut) > 1e-3, "control: 1 % in frequency or 30 modes alone show, {moved:.1e} {cut:.1e}");
     }
 }
 
@@ -164,9 +127,7 @@ fn the_spindles_free_turn_is_found_at_exactly_zero_and_named() {
         let free = modes.free_motions(craig_bampton());
         assert_eq!(free.len(), 1);
         assert_eq!(free[0].name, "spindle turns about z");
-        let others = (1..31)
-            .map(|r| modes.outputs.column(r).amax())
-            .fold(0.0, f64::max);
+        let others = (1..31).map(|r| modes.outputs.column(r).amax()).fold(0.0, f64::max);
         assert!(
             free[0].at_outputs < 1e-3 * others,
             "{:.1e} of {others:.1e}: the tool's centre does not move",
@@ -191,21 +152,12 @@ fn no_mode_is_missed_anywhere_and_a_removed_one_is_noticed() {
 fn the_two_reduction_methods_agree_in_thirty_frequencies() {
     let free = model_by(ReductionMethod::FreeInterface);
     for position in [0.0, -0.2875, -0.6] {
-        let (a, b) = (
-            modes_of(craig_bampton(), position),
-            modes_of(&free, position),
-        );
+        let (a, b) = (modes_of(craig_bampton(), position), modes_of(&free, position));
         let expected: Vec<f64> = (1..31).map(|r| b.frequency(r)).collect();
         let worst = worst_frequency(&a, &expected);
         println!("{position} m: {worst:.1e}");
         assert!(worst < 1e-4, "{position} m: {worst:.1e}");
-        let shifted = worst_frequency(
-            &modes_of(craig_bampton(), position.min(-0.005) + 0.005),
-            &expected,
-        );
-        assert!(
-            position == 0.0 || shifted > 1e-4,
-            "control: 5 mm away they differ, {shifted:.1e}"
-        );
+        let shifted = worst_frequency(&modes_of(craig_bampton(), position.min(-0.005) + 0.005), &expected);
+        assert!(position == 0.0 || shifted > 1e-4, "control: 5 mm away they differ, {shifted:.1e}");
     }
 }

@@ -19,40 +19,23 @@ fn lanczos(system: &SecondOrder, modes: usize, block: usize, shift: f64) -> Spec
     let ordering = system.ordering().expect("METIS orders it");
     let shifted = system.stiffness.plus_scaled(shift, &system.mass);
     let factor = Cholesky::new(&shifted, &ordering).expect("positive definite");
-    let options = LanczosOptions {
-        modes,
-        block,
-        tolerance: 1e-8,
-        interrupt: None,
-    };
-    let mut spectrum = lowest_modes(
-        &system.mass,
-        &|load: &DMatrix<f64>| factor.solve(load),
-        options,
-    )
-    .expect("converges");
+    let options = LanczosOptions { modes, block, tolerance: 1e-8, interrupt: None };
+    let mut spectrum =
+        lowest_modes(&system.mass, &|load: &DMatrix<f64>| factor.solve(load), options).expect("converges");
     spectrum.eigenvalues.iter_mut().for_each(|l| *l -= shift);
     spectrum
 }
 
 fn hertz(spectrum: &Spectrum) -> Vec<f64> {
-    spectrum
-        .eigenvalues
-        .iter()
-        .map(|l| l.max(0.0).sqrt() / TAU)
-        .collect()
+    spectrum.eigenvalues.iter().map(|l| l.max(0.0).sqrt() / TAU).collect()
 }
 
 /// Least-squares slope of log error over log h.
 fn slope(h: &[f64], error: &[f64]) -> f64 {
     let points: Vec<(f64, f64)> = h.iter().zip(error).map(|(h, e)| (h.ln(), e.ln())).collect();
     let n = points.len() as f64;
-    let (mx, my) = points
-        .iter()
-        .fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
-    let (xy, xx) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| {
-        (a + (x - mx) * (y - my), b + (x - mx).powi(2))
-    });
+    let (mx, my) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
+    let (xy, xx) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + (x - mx) * (y - my), b + (x - mx).powi(2)));
     xy / xx
 }
 
@@ -78,10 +61,7 @@ fn a_free_cube_has_lames_triple_root_and_the_error_falls_with_the_fourth_power_o
     println!("Lame error {errors:?}");
     let h: Vec<f64> = sizes.iter().map(|n| 1.0 / *n as f64).collect();
     let (early, late) = (slope(&h[..2], &errors[..2]), slope(&h[1..], &errors[1..]));
-    assert!(
-        late > early && (3.5..4.2).contains(&late),
-        "orders {early:.2}, {late:.2}, which approach 4: {errors:?}"
-    );
+    assert!(late > early && (3.5..4.2).contains(&late), "orders {early:.2}, {late:.2}, which approach 4: {errors:?}");
     assert!(errors[2] < 1e-3, "{errors:?}");
 }
 
@@ -90,29 +70,16 @@ fn lanczos_loses_no_partner_of_a_repeated_frequency_of_a_free_cube() {
     let body = system(&box_mesh([0.0; 3], [0.1; 3], [2; 3]), &[]);
     let shift = 1e8;
     let reference = eigenvalues(&full(&body.stiffness), &full(&body.mass), shift);
-    let pairs = reference[6..30]
-        .windows(2)
-        .filter(|w| w[1] / w[0] - 1.0 < 1e-9)
-        .count();
-    assert!(
-        pairs >= 3,
-        "the cube's symmetry gives exact double roots; found {pairs}"
-    );
+    let pairs = reference[6..30].windows(2).filter(|w| w[1] / w[0] - 1.0 < 1e-9).count();
+    assert!(pairs >= 3, "the cube's symmetry gives exact double roots; found {pairs}");
     for block in [1, 3, 8] {
         let found = lanczos(&body, 30, block, shift);
-        let largest = found.eigenvalues[..6]
-            .iter()
-            .fold(0.0f64, |m, l| m.max(l.abs()));
-        assert!(
-            largest < 1e-9 * reference[6],
-            "block {block}: rigid motions at {largest:.1e}"
-        );
+        let largest = found.eigenvalues[..6].iter().fold(0.0f64, |m, l| m.max(l.abs()));
+        assert!(largest < 1e-9 * reference[6], "block {block}: rigid motions at {largest:.1e}");
         let error = worst_ratio(&found.eigenvalues[6..], &reference[6..30]);
         assert!(error < 1e-9, "block {block}: {error:.1e}");
         // Control: without one partner the lists no longer agree.
-        let at = (6..29)
-            .find(|&r| reference[r + 1] / reference[r] - 1.0 < 1e-9)
-            .expect("a pair");
+        let at = (6..29).find(|&r| reference[r + 1] / reference[r] - 1.0 < 1e-9).expect("a pair");
         let mut lost = found.eigenvalues.clone();
         lost.remove(at);
         assert!(worst_ratio(&lost[6..], &reference[6..29]) > 1e-3);
@@ -135,10 +102,7 @@ fn timoshenko(length: f64, width: f64, count: usize) -> Vec<f64> {
     let s2 = m.young * second / (kappa * area * shear * length * length);
     let equation = |b: f64| {
         let root = ((r2 - s2).powi(2) + 4.0 / (b * b)).sqrt();
-        let (alpha, beta) = (
-            (0.5 * (root - r2 - s2)).sqrt(),
-            (0.5 * (root + r2 + s2)).sqrt(),
-        );
+        let (alpha, beta) = ((0.5 * (root - r2 - s2)).sqrt(), (0.5 * (root + r2 + s2)).sqrt());
         2.0 + (b * b * (r2 - s2).powi(2) + 2.0) * (b * alpha).cosh() * (b * beta).cos()
             - b * (r2 + s2) / (1.0 - b * b * r2 * s2).sqrt() * (b * alpha).sinh() * (b * beta).sin()
     };
@@ -149,11 +113,7 @@ fn timoshenko(length: f64, width: f64, count: usize) -> Vec<f64> {
             let (mut low, mut high) = (b, b + step);
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);
-                if equation(low) * equation(middle) <= 0.0 {
-                    high = middle
-                } else {
-                    low = middle
-                }
+                if equation(low) * equation(middle) <= 0.0 { high = middle } else { low = middle }
             }
             let omega = low * (m.young * second / (m.density * area)).sqrt() / (length * length);
             found.push(omega / TAU);
@@ -166,10 +126,7 @@ fn timoshenko(length: f64, width: f64, count: usize) -> Vec<f64> {
 #[test]
 fn a_cantilever_agrees_with_timoshenkos_beam_and_not_with_eulers() {
     let (length, width) = (0.5, 0.05);
-    let body = system(
-        &box_mesh([0.0; 3], [width, width, length], [2, 2, 20]),
-        &["ZMIN"],
-    );
+    let body = system(&box_mesh([0.0; 3], [width, width, length], [2, 2, 20]), &["ZMIN"]);
     let frequencies = hertz(&lanczos(&body, 10, 8, 0.0));
     let beam = timoshenko(length, width, 3);
     let m = steel();
@@ -189,16 +146,9 @@ fn a_cantilever_agrees_with_timoshenkos_beam_and_not_with_eulers() {
     let extension = (m.young / m.density).sqrt() / (4.0 * length);
     let shear = m.young / (2.0 * (1.0 + m.poisson));
     let torsion = (0.140_577 * 6.0 * shear / m.density).sqrt() / (4.0 * length);
-    assert!(
-        nearest_two(extension)[0] < 0.005 && nearest_two(torsion)[0] < 0.025,
-        "{extension} {torsion}"
-    );
-    let euler =
-        61.697 / (TAU * length * length) * (m.young * width * width / (12.0 * m.density)).sqrt();
-    assert!(
-        (euler / beam[2] - 1.0).abs() > 0.08,
-        "control: Euler's third frequency, {euler:.0} Hz, is far off"
-    );
+    assert!(nearest_two(extension)[0] < 0.005 && nearest_two(torsion)[0] < 0.025, "{extension} {torsion}");
+    let euler = 61.697 / (TAU * length * length) * (m.young * width * width / (12.0 * m.density)).sqrt();
+    assert!((euler / beam[2] - 1.0).abs() > 0.08, "control: Euler's third frequency, {euler:.0} Hz, is far off");
 }
 
 // At the clamp's edge the stress is singular (exponent some 0.71 for nu = 0.3), which holds the order of the frequency
@@ -206,23 +156,14 @@ fn a_cantilever_agrees_with_timoshenkos_beam_and_not_with_eulers() {
 #[test]
 fn a_cantilevers_frequency_falls_towards_its_limit() {
     let first = |n: usize| {
-        let body = system(
-            &box_mesh([0.0; 3], [0.05, 0.05, 0.2], [n, n, 4 * n]),
-            &["ZMIN"],
-        );
+        let body = system(&box_mesh([0.0; 3], [0.05, 0.05, 0.2], [n, n, 4 * n]), &["ZMIN"]);
         hertz(&lanczos(&body, 4, 4, 0.0))[0]
     };
     let values = [1, 2, 4].map(first);
     let order = ((values[0] - values[1]) / (values[1] - values[2])).log2();
     println!("cantilever {values:?}, order {order:.2}");
-    assert!(
-        values[0] > values[1] && values[1] > values[2],
-        "Ritz values fall: {values:?}"
-    );
-    assert!(
-        (1.4..3.0).contains(&order),
-        "order {order:.2} of {values:?}"
-    );
+    assert!(values[0] > values[1] && values[1] > values[2], "Ritz values fall: {values:?}");
+    assert!((1.4..3.0).contains(&order), "order {order:.2} of {values:?}");
     assert!(values[1] / values[2] - 1.0 < 6e-3);
 }
 
@@ -233,20 +174,12 @@ fn a_free_beam_agrees_with_timoshenkos_limit_of_a_slender_one() {
     let m = steel();
     let body = system(&box_mesh([0.0; 3], [width, width, length], [1, 1, 24]), &[]);
     let frequencies = hertz(&lanczos(&body, 10, 8, 1e5));
-    let euler = 4.730_041_f64.powi(2) / (TAU * length * length)
-        * (m.young * width * width / (12.0 * m.density)).sqrt();
+    let euler = 4.730_041_f64.powi(2) / (TAU * length * length) * (m.young * width * width / (12.0 * m.density)).sqrt();
     for r in [6, 7] {
         let off = frequencies[r] / euler - 1.0;
-        assert!(
-            (-0.004..0.001).contains(&off),
-            "{} Hz against {euler} Hz",
-            frequencies[r]
-        );
+        assert!((-0.004..0.001).contains(&off), "{} Hz against {euler} Hz", frequencies[r]);
     }
-    assert!(
-        PI * euler > frequencies[8],
-        "the next pair lies at 2.757 times the first"
-    );
+    assert!(PI * euler > frequencies[8], "the next pair lies at 2.757 times the first");
 }
 
 #[test]
@@ -267,25 +200,13 @@ fn a_mesh_in_pieces_an_inverted_element_and_a_clamp_on_a_line_are_refused() {
         c.nodes.iter_mut().for_each(|n| *n += first);
         c
     }));
-    assert!(matches!(
-        assemble(&part("a", &[], vec![]), &pieces),
-        Err(SolidError::Pieces { pieces: 2, .. })
-    ));
+    assert!(matches!(assemble(&part("a", &[], vec![]), &pieces), Err(SolidError::Pieces { pieces: 2, .. })));
     let mut line = good.clone();
     line.node_sets.insert("EDGE".into(), vec![0, 1, 2]);
-    assert!(matches!(
-        assemble(&part("a", &["EDGE"], vec![]), &line),
-        Err(SolidError::ClampOnLine { .. })
-    ));
-    assert!(matches!(
-        assemble(&part("a", &["FLOOR"], vec![]), &good),
-        Err(SolidError::UnknownSet { .. })
-    ));
+    assert!(matches!(assemble(&part("a", &["EDGE"], vec![]), &line), Err(SolidError::ClampOnLine { .. })));
+    assert!(matches!(assemble(&part("a", &["FLOOR"], vec![]), &good), Err(SolidError::UnknownSet { .. })));
     let mut bare = good.clone();
     bare.cells[2].material = None;
-    assert!(matches!(
-        assemble(&part("a", &[], vec![]), &bare),
-        Err(SolidError::NoMaterial { element: 3, .. })
-    ));
+    assert!(matches!(assemble(&part("a", &[], vec![]), &bare), Err(SolidError::NoMaterial { element: 3, .. })));
     assert!(assemble(&part("a", &["ZMIN"], vec![]), &good).is_ok());
 }

@@ -155,7 +155,8 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let undamped = undamped_in_band(&request);
     let metrics = if undamped.is_none() { metrics(&request, &map, &direct_pairs(&request))? } else { Vec::new() };
     if let Some(frequency) = undamped {
-        warnings.push(format!("the mode at {frequency:.3} Hz has no damping, so no smallest dynamic stiffness is given"));
+        warnings
+            .push(format!("the mode at {frequency:.3} Hz has no damping, so no smallest dynamic stiffness is given"));
     }
 
     let mut manifest = Manifest {

@@ -56,11 +56,7 @@ fn the_unchanged_mill_is_accepted() {
 fn a_missing_machine_file() {
     let (folder, cache) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let out = folder.path().join("out");
-    let run = stiffmap(cache.path())
-        .args(["run", "no_such_machine.toml", "--out"])
-        .arg(&out)
-        .output()
-        .unwrap();
+    let run = stiffmap(cache.path()).args(["run", "no_such_machine.toml", "--out"]).arg(&out).output().unwrap();
     assert_refused(&run, &out, &["no_such_machine.toml", "cannot read the machine file"]);
 }
 
@@ -140,7 +136,8 @@ fn a_part_without_any_joint() {
 
 #[test]
 fn a_density_that_is_negative_or_no_number() {
-    let material = "mesh = \"magazine.inp\"\nmaterial = { young = \"115 GPa\", poisson = 0.26, density = \"-7200 kg/m3\" }";
+    let material =
+        "mesh = \"magazine.inp\"\nmaterial = { young = \"115 GPa\", poisson = 0.26, density = \"-7200 kg/m3\" }";
     let mill = Mill::new();
     mill.replace("machine.toml", "mesh = \"magazine.inp\"", material);
     refused(&mill, &["machine.toml:", "parts.magazine.material.density", "-7200 kg/m3", "positive"]);
@@ -220,11 +217,8 @@ fn command_line_values_that_cannot_be() {
 fn an_unknown_subcommand_or_flag() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let cases: [(&[&str], &[&str]); 3] = [
-        (&["rum"], &["rum", "run"]),
-        (&["run", "--positon", "0"], &["--positon", "--position"]),
-        (&[], &["Usage"]),
-    ];
+    let cases: [(&[&str], &[&str]); 3] =
+        [(&["rum"], &["rum", "run"]), (&["run", "--positon", "0"], &["--positon", "--position"]), (&[], &["Usage"])];
     for (arguments, words) in cases {
         let run = stiffmap(folder.path()).args(arguments).output().unwrap();
         assert_refused(&run, &out, words);

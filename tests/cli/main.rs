@@ -17,9 +17,7 @@ use tempfile::TempDir;
 /// The built binary with a cache folder of the test's own.
 fn stiffmap(cache: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stiffmap"));
-    command
-        .env("STIFFMAP_CACHE", cache)
-        .env_remove("STIFFMAP_ADAPTER");
+    command.env("STIFFMAP_CACHE", cache).env_remove("STIFFMAP_ADAPTER");
     command
 }
 
@@ -98,10 +96,7 @@ fn column(file: &Path, name: &str) -> Vec<f64> {
     let mut reader = csv::Reader::from_path(file).unwrap();
     let at = reader.headers().unwrap().iter().position(|h| h == name);
     let at = at.unwrap_or_else(|| panic!("{}: no column {name}", file.display()));
-    reader
-        .records()
-        .map(|record| record.unwrap()[at].parse().unwrap())
-        .collect()
+    reader.records().map(|record| record.unwrap()[at].parse().unwrap()).collect()
 }
 
 /// The bundled mill written out to be edited.
@@ -110,10 +105,7 @@ struct Mill(TempDir);
 impl Mill {
     fn new() -> Mill {
         let folder = tempfile::tempdir().unwrap();
-        let init = stiffmap(folder.path())
-            .arg("init")
-            .arg(folder.path())
-            .output();
+        let init = stiffmap(folder.path()).arg("init").arg(folder.path()).output();
         assert_eq!(init.unwrap().status.code(), Some(0));
         Mill(folder)
     }

@@ -19,13 +19,9 @@ pub fn full(a: &SparseSymmetric) -> DMatrix<f64> {
 /// relative to lambda + s, however large the others are.
 pub fn eigenvalues(stiffness: &DMatrix<f64>, mass: &DMatrix<f64>, shift: f64) -> Vec<f64> {
     let shifted = stiffness + mass * shift;
-    let root = Cholesky::new(0.5 * (&shifted + shifted.transpose()))
-        .expect("K + s M is positive definite")
-        .l();
+    let root = Cholesky::new(0.5 * (&shifted + shifted.transpose())).expect("K + s M is positive definite").l();
     let half = root.solve_lower_triangular(mass).expect("regular");
-    let inverse = root
-        .solve_lower_triangular(&half.transpose())
-        .expect("regular");
+    let inverse = root.solve_lower_triangular(&half.transpose()).expect("regular");
     let theta = (0.5 * (&inverse + inverse.transpose())).symmetric_eigenvalues();
     let mut values: Vec<f64> = theta.iter().map(|t| 1.0 / t - shift).collect();
     values.sort_by(f64::total_cmp);
@@ -40,11 +36,7 @@ pub fn frequencies(stiffness: &DMatrix<f64>, mass: &DMatrix<f64>, shift: f64) ->
 
 /// Eigenvalues, ascending, of a symmetric matrix.
 pub fn symmetric_values(a: &DMatrix<f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = SymmetricEigen::new(a.clone())
-        .eigenvalues
-        .iter()
-        .copied()
-        .collect();
+    let mut values: Vec<f64> = SymmetricEigen::new(a.clone()).eigenvalues.iter().copied().collect();
     values.sort_by(f64::total_cmp);
     values
 }
@@ -63,11 +55,7 @@ pub fn rigid_field(points: &[[f64; 3]], about: [f64; 3], motion: [f64; 6]) -> DV
     let [tx, ty, tz, rx, ry, rz] = motion;
     let field = points.iter().flat_map(|p| {
         let [x, y, z] = [p[0] - about[0], p[1] - about[1], p[2] - about[2]];
-        [
-            tx + ry * z - rz * y,
-            ty + rz * x - rx * z,
-            tz + rx * y - ry * x,
-        ]
+        [tx + ry * z - rz * y, ty + rz * x - rx * z, tz + rx * y - ry * x]
     });
     DVector::from_iterator(3 * points.len(), field)
 }

@@ -6,20 +6,14 @@ pub mod slide;
 
 use std::path::PathBuf;
 use stiffmap::machine::{
-    ComponentAnalysis, Interface, Material, MeshUnits, Part, ReductionMethod, Region,
-    SurfaceCoupling,
+    ComponentAnalysis, Interface, Material, MeshUnits, Part, ReductionMethod, Region, SurfaceCoupling,
 };
 use stiffmap::mesh::{Cell, CellKind, Mesh};
 use stiffmap::reduction::{ReductionRequest, Superelement, reduce};
 
 /// Steel: 210 GPa, 0.3, 7850 kg/m^3.
 pub fn steel() -> Material {
-    Material {
-        name: "steel".into(),
-        young: 210e9,
-        poisson: 0.3,
-        density: 7850.0,
-    }
+    Material { name: "steel".into(), young: 210e9, poisson: 0.3, density: 7850.0 }
 }
 
 /// The corner pair of each midside node, written here from the Abaqus manual, not from the crate.
@@ -32,15 +26,10 @@ pub const SIDES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 
 pub fn box_mesh(from: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Mesh {
     let lattice = cells.map(|n| 2 * n + 1);
     let index = |p: [usize; 3]| p[0] + lattice[0] * (p[1] + lattice[1] * p[2]);
-    let mut mesh = Mesh {
-        materials: vec![steel()],
-        ..Mesh::default()
-    };
+    let mut mesh = Mesh { materials: vec![steel()], ..Mesh::default() };
     for node in 0..lattice.iter().product() {
         let at = lattice_point(node, lattice);
-        mesh.nodes.push(std::array::from_fn(|c| {
-            from[c] + size[c] * at[c] as f64 / (lattice[c] - 1) as f64
-        }));
+        mesh.nodes.push(std::array::from_fn(|c| from[c] + size[c] * at[c] as f64 / (lattice[c] - 1) as f64));
         mesh.node_labels.push(node as u64 + 1);
         for c in 0..3 {
             let ends = [("MIN", 0), ("MAX", lattice[c] - 1)];
@@ -62,8 +51,7 @@ pub fn box_mesh(from: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Mesh {
             if (b + 3 - a) % 3 != 1 {
                 corners.swap(1, 2);
             }
-            let middle =
-                |[a, b]: [usize; 2]| std::array::from_fn(|c| (corners[a][c] + corners[b][c]) / 2);
+            let middle = |[a, b]: [usize; 2]| std::array::from_fn(|c| (corners[a][c] + corners[b][c]) / 2);
             let nodes = corners.into_iter().chain(SIDES.map(middle));
             mesh.cells.push(Cell {
                 kind: CellKind::Tet10,
@@ -83,13 +71,8 @@ fn lattice_point(index: usize, lattice: [usize; 3]) -> [usize; 3] {
 
 /// Moves the corner nodes inside the mesh by up to `amplitude` (m) and keeps its sides straight.
 pub fn distort_inside(mesh: &mut Mesh, amplitude: f64) {
-    let outside: std::collections::BTreeSet<usize> =
-        mesh.node_sets.values().flatten().copied().collect();
-    let corners: std::collections::BTreeSet<usize> = mesh
-        .cells
-        .iter()
-        .flat_map(|c| c.nodes[..4].to_vec())
-        .collect();
+    let outside: std::collections::BTreeSet<usize> = mesh.node_sets.values().flatten().copied().collect();
+    let corners: std::collections::BTreeSet<usize> = mesh.cells.iter().flat_map(|c| c.nodes[..4].to_vec()).collect();
     for &node in corners.difference(&outside) {
         for c in 0..3 {
             mesh.nodes[node][c] += amplitude * (12.9898 * (3 * node + c) as f64 + 1.0).sin();
@@ -118,20 +101,12 @@ pub fn part(name: &str, clamped: &[&str], interfaces: Vec<Interface>) -> Part {
 
 /// A distributing interface on the whole of a node set; it has the set's name.
 pub fn on(set: &str) -> Interface {
-    Interface {
-        name: set.into(),
-        nodes: set.into(),
-        within: None,
-        coupling: SurfaceCoupling::Distributing,
-    }
+    Interface { name: set.into(), nodes: set.into(), within: None, coupling: SurfaceCoupling::Distributing }
 }
 
 /// A slab of space across an axis.
 pub fn slab(axis: usize, from: f64, to: f64) -> Region {
-    let mut region = Region {
-        min: [f64::NEG_INFINITY; 3],
-        max: [f64::INFINITY; 3],
-    };
+    let mut region = Region { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
     region.min[axis] = from;
     region.max[axis] = to;
     region
@@ -139,29 +114,17 @@ pub fn slab(axis: usize, from: f64, to: f64) -> Region {
 
 /// Craig-Bampton with second moments.
 pub fn craig_bampton(modes: usize) -> ComponentAnalysis {
-    ComponentAnalysis {
-        modes,
-        band: f64::INFINITY,
-        method: ReductionMethod::CraigBampton,
-        second_moment: true,
-    }
+    ComponentAnalysis { modes, band: f64::INFINITY, method: ReductionMethod::CraigBampton, second_moment: true }
 }
 
 /// Free interface with second moments.
 pub fn free_interface(modes: usize) -> ComponentAnalysis {
-    ComponentAnalysis {
-        method: ReductionMethod::FreeInterface,
-        ..craig_bampton(modes)
-    }
+    ComponentAnalysis { method: ReductionMethod::FreeInterface, ..craig_bampton(modes) }
 }
 
 /// The superelement of a part without rails.
 pub fn superelement(part: &Part, mesh: &Mesh, component: ComponentAnalysis) -> Superelement {
-    let request = ReductionRequest {
-        part: part.clone(),
-        component,
-        rails: Vec::new(),
-    };
+    let request = ReductionRequest { part: part.clone(), component, rails: Vec::new() };
     reduce(&request, mesh, None).expect("the part can be reduced")
 }
 

@@ -33,14 +33,9 @@ impl Slide {
             .collect();
         let requests = reduction_requests(&machine, &centroids);
         let reduced = requests.iter().zip(&meshes);
-        let parts = reduced
-            .map(|(request, mesh)| reduce(request, mesh, None).expect("the part can be reduced"))
-            .collect();
-        Self {
-            machine,
-            meshes,
-            parts,
-        }
+        let parts =
+            reduced.map(|(request, mesh)| reduce(request, mesh, None).expect("the part can be reduced")).collect();
+        Self { machine, meshes, parts }
     }
 
     /// Bed and carriage, the bed clamped underneath or floating.
@@ -74,11 +69,7 @@ pub fn side(part: usize, interface: usize) -> InterfaceRef {
 
 /// Viscous damping ratio of all modes.
 pub fn ratio(zeta: f64) -> Damping {
-    Damping {
-        ratios: vec![zeta],
-        rayleigh: None,
-        loss_factor: 0.0,
-    }
+    Damping { ratios: vec![zeta], rayleigh: None, loss_factor: 0.0 }
 }
 
 /// A machine of some parts that stand still.
@@ -154,14 +145,8 @@ pub fn machine(clamped: bool) -> (Machine, Vec<Mesh>) {
         )
     };
     let mut thread = spring(Motion::Translation, 2, 0.0);
-    thread.stiffness = SpringStiffness::BallScrew {
-        young: 210e9,
-        diameter: 0.016,
-    };
-    let screw = Joint {
-        kind: JointKind::BallScrew,
-        ..springs("screw", [side(0, 1), side(1, 1)], vec![thread])
-    };
+    thread.stiffness = SpringStiffness::BallScrew { young: 210e9, diameter: 0.016 };
+    let screw = Joint { kind: JointKind::BallScrew, ..springs("screw", [side(0, 1), side(1, 1)], vec![thread]) };
     let mut machine = fixed_machine(parts, vec![guide, screw], side(1, 2));
     machine.axis.travel = TRAVEL;
     machine.axis.step = 0.05;
