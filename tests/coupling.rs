@@ -28,7 +28,7 @@ fn clamped() -> &'static Clamped {
     SLIDE.get_or_init(|| {
         let slide = Slide::new(true);
         let side_by_side = SideBySide::new(&slide.machine, &slide.parts).expect("couples");
-        let model = couple(&slide.machine, &slide.parts, BasisOptions::for_band(BAND)).expect("couples");
+        let model = couple(&slide.machine, &slide.parts, BasisOptions::up_to(BAND)).expect("couples");
         Clamped { slide, side_by_side, model }
     })
 }
@@ -145,7 +145,8 @@ fn the_fixed_basis_agrees_with_the_whole_reduced_machine_between_its_training_po
         };
         positions.iter().zip(&exact).map(error).fold(0.0, f64::max)
     };
-    let rough = couple(&slide.machine, &slide.parts, BasisOptions { band: BAND, tolerance: 0.1 }).expect("couples");
+    let rough = couple(&slide.machine, &slide.parts, BasisOptions { frequency: BAND, band: BAND, tolerance: 0.1 })
+        .expect("couples");
     let (fine, coarse) = (worst(model), worst(&rough));
     println!(
         "fixed basis: {} of {} coordinates {fine:.1e}, {} coordinates {coarse:.1e}",

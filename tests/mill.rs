@@ -41,7 +41,7 @@ fn model_by(method: ReductionMethod) -> CoupledModel {
         .collect();
     let requests = reduction_requests(&machine, &centroids);
     let reduced: Vec<_> = requests.iter().zip(meshes).map(|(r, m)| reduce(r, m, None).expect("reduces")).collect();
-    couple(&machine, &reduced, BasisOptions::for_band(BAND)).expect("couples")
+    couple(&machine, &reduced, BasisOptions::up_to(BAND)).expect("couples")
 }
 
 fn craig_bampton() -> &'static CoupledModel {

@@ -21,7 +21,7 @@ fn slide() -> &'static Slide {
 fn model(change: impl Fn(&mut Machine)) -> CoupledModel {
     let mut machine = slide().machine.clone();
     change(&mut machine);
-    couple(&machine, &slide().parts, BasisOptions::for_band(BAND)).expect("couples")
+    couple(&machine, &slide().parts, BasisOptions::up_to(BAND)).expect("couples")
 }
 
 fn undamped(model: &CoupledModel, position: f64) -> Modes {

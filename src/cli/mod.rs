@@ -6,6 +6,7 @@ mod devices;
 mod init;
 mod overrides;
 mod progress;
+mod record;
 mod run;
 mod summary;
 

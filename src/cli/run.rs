@@ -2,7 +2,7 @@
 
 use super::overrides::Overrides;
 use super::progress::Progress;
-use super::{cache_folder, machine_path, summary};
+use super::{cache_folder, machine_path, record, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
@@ -30,10 +30,10 @@ pub struct Arguments {
     /// Machine file, or the folder that holds machine.toml; the bundled vertical mill without it
     machine: Option<PathBuf>,
     #[command(flatten)]
-    overrides: Overrides,
+    pub(super) overrides: Overrides,
     /// Leave the constant residual out; sums exactly the state space's modes
     #[arg(long)]
-    no_residual: bool,
+    pub(super) no_residual: bool,
     /// What computes the map: auto, cpu or gpu
     #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu", value_parser = parse_backend)]
     backend: Backend,
@@ -170,9 +170,9 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         warnings,
         ..Manifest::default()
     };
-    describe_input(&mut manifest, &machine)?;
-    describe_size(&mut manifest, &superelements, model.n(), &solved, &machine, &truncation);
-    describe_settings(&mut manifest, &machine, arguments, &truncation, band);
+    record::input(&mut manifest, &machine)?;
+    record::size(&mut manifest, &superelements, model.n(), &solved, &machine, &truncation);
+    record::settings(&mut manifest, &machine, arguments, &truncation, band);
     manifest.counts.push("parts_from_cache", hits as u64);
     let free_motions = summary::free_motions(&solved, &model);
     manifest.settings.push("free_motions", json!(free_motions));
@@ -310,65 +310,6 @@ fn request_for_figures<'a>(outcome: &'a Outcome, systems: &'a [ModalSystem]) -> 
         .collect();
     frequencies.extend(given.last());
     FigureRequest { map, systems, frequencies }
-}
-
-fn describe_input(manifest: &mut Manifest, machine: &Machine) -> Result<()> {
-    let mut add = |path: &Path| -> Result<()> {
-        let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
-        if manifest.input_hashes.0.iter().all(|(seen, _)| *seen != name) {
-            let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-            manifest.input_hashes.push(name, blake3::hash(&bytes).to_hex().to_string());
-        }
-        Ok(())
-    };
-    add(&machine.file)?;
-    machine.parts.iter().try_for_each(|part| add(&part.mesh))
-}
-
-fn describe_size(
-    manifest: &mut Manifest,
-    superelements: &[stiffmap::reduction::Superelement],
-    basis: usize,
-    solved: &Solved,
-    machine: &Machine,
-    truncation: &Truncation,
-) {
-    let sum = |of: fn(&stiffmap::reduction::Superelement) -> usize| superelements.iter().map(of).sum::<usize>() as u64;
-    let counts = &mut manifest.counts;
-    counts.push("nodes", sum(|s| s.n_nodes));
-    counts.push("elements", sum(|s| s.n_elements));
-    counts.push("unknowns", sum(|s| s.n_dof));
-    counts.push("superelement_coordinates", sum(|s| s.n()));
-    counts.push("fixed_basis_coordinates", basis as u64);
-    counts.push("springs", machine.joints.iter().map(|j| j.springs.len()).sum::<usize>() as u64);
-    counts.push("positions", solved.modes.len() as u64);
-    counts.push("frequencies", machine.analysis.frequencies.len() as u64);
-    counts.push("elastic_modes_reported", machine.analysis.modes as u64);
-    counts.push("modes_in_map_fewest", truncation.fewest_modes as u64);
-    counts.push("modes_in_map_most", truncation.most_modes as u64);
-}
-
-fn describe_settings(
-    manifest: &mut Manifest,
-    machine: &Machine,
-    arguments: &Arguments,
-    truncation: &Truncation,
-    band: f64,
-) {
-    let settings = &mut manifest.settings;
-    let damping = &machine.analysis.damping;
-    settings.push("axis", json!(machine.axis.name));
-    settings.push("component_modes", json!(machine.analysis.component.modes));
-    settings.push("reduction", json!(format!("{:?}", machine.analysis.component.method)));
-    settings.push("second_moment", json!(machine.analysis.component.second_moment));
-    settings.push("fixed_basis_for_hz", json!(band));
-    settings.push("damping_ratios", json!(damping.ratios));
-    settings.push("loss_factor", json!(damping.loss_factor));
-    settings.push("exactly_n_modes", json!(arguments.overrides.modes.is_some() || arguments.no_residual));
-    if let Some(degree) = truncation.degree {
-        settings.push("residual_degree", json!(degree));
-    }
-    settings.push("truncation_error", json!(truncation.error));
 }
 
 fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {

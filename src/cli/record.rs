@@ -1,0 +1,67 @@
+//! What a run writes into its manifest.
+
+use super::run::Arguments;
+use anyhow::{Context, Result};
+use serde_json::json;
+use std::path::Path;
+use stiffmap::export::manifest::Manifest;
+use stiffmap::frf::Truncation;
+use stiffmap::machine::Machine;
+use stiffmap::pipeline::Solved;
+use stiffmap::reduction::Superelement;
+
+/// Hashes of the machine file and its meshes.
+pub fn input(manifest: &mut Manifest, machine: &Machine) -> Result<()> {
+    let mut add = |path: &Path| -> Result<()> {
+        let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+        if manifest.input_hashes.0.iter().all(|(seen, _)| *seen != name) {
+            let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+            manifest.input_hashes.push(name, blake3::hash(&bytes).to_hex().to_string());
+        }
+        Ok(())
+    };
+    add(&machine.file)?;
+    machine.parts.iter().try_for_each(|part| add(&part.mesh))
+}
+
+/// Sizes before and after each step.
+pub fn size(
+    manifest: &mut Manifest,
+    superelements: &[Superelement],
+    basis: usize,
+    solved: &Solved,
+    machine: &Machine,
+    truncation: &Truncation,
+) {
+    let sum = |of: fn(&Superelement) -> usize| superelements.iter().map(of).sum::<usize>() as u64;
+    let counts = &mut manifest.counts;
+    counts.push("nodes", sum(|s| s.n_nodes));
+    counts.push("elements", sum(|s| s.n_elements));
+    counts.push("unknowns", sum(|s| s.n_dof));
+    counts.push("superelement_coordinates", sum(|s| s.n()));
+    counts.push("fixed_basis_coordinates", basis as u64);
+    counts.push("springs", machine.joints.iter().map(|j| j.springs.len()).sum::<usize>() as u64);
+    counts.push("positions", solved.modes.len() as u64);
+    counts.push("frequencies", machine.analysis.frequencies.len() as u64);
+    counts.push("elastic_modes_reported", machine.analysis.modes as u64);
+    counts.push("modes_in_map_fewest", truncation.fewest_modes as u64);
+    counts.push("modes_in_map_most", truncation.most_modes as u64);
+}
+
+/// What was asked for.
+pub fn settings(manifest: &mut Manifest, machine: &Machine, arguments: &Arguments, truncation: &Truncation, band: f64) {
+    let settings = &mut manifest.settings;
+    let damping = &machine.analysis.damping;
+    settings.push("axis", json!(machine.axis.name));
+    settings.push("component_modes", json!(machine.analysis.component.modes));
+    settings.push("reduction", json!(format!("{:?}", machine.analysis.component.method)));
+    settings.push("second_moment", json!(machine.analysis.component.second_moment));
+    settings.push("fixed_basis_for_hz", json!(band));
+    settings.push("damping_ratios", json!(damping.ratios));
+    settings.push("loss_factor", json!(damping.loss_factor));
+    settings.push("exactly_n_modes", json!(arguments.overrides.modes.is_some() || arguments.no_residual));
+    if let Some(degree) = truncation.degree {
+        settings.push("residual_degree", json!(degree));
+    }
+    settings.push("truncation_error", json!(truncation.error));
+}
