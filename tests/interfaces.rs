@@ -1,15 +1,15 @@
-//! Interfaces: the area-weighted rigid motion of a surface, clipped surfaces, rigid coupling.
+//! Interfaces: the area-weighted rigid motion of a surface, clipped surfaces.
 
 mod support;
 
-use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
+use nalgebra::{DMatrix, SMatrix, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
-use stiffmap::machine::{Interface, Region, SurfaceCoupling};
+use stiffmap::machine::{Interface, Region};
 use stiffmap::mesh::Mesh;
-use stiffmap::solid::{InterfaceMotion, SolidError, Surface, assemble, interface_motions, rotation_arm};
-use support::dense::{eigenvalues, full, rigid_field};
+use stiffmap::solid::{InterfaceMotion, SolidError, Surface, interface_motions, rotation_arm};
+use support::dense::rigid_field;
 use support::{box_mesh, on, part, slab};
 
 const SIZE: [f64; 3] = [0.3, 0.2, 0.5];
@@ -41,14 +41,19 @@ fn plain_rows(weights: &[(usize, f64)], nodes: &[[f64; 3]], reference: [f64; 3])
         let mut r = SMatrix::<f64, 3, 6>::zeros();
         r.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
         let arm = Vector3::from(nodes[n]) - Vector3::from(reference);
-        r.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-arm.cross_matrix()));
+        r.fixed_view_mut::<3, 3>(0, 3)
+            .copy_from(&(-arm.cross_matrix()));
         r
     };
-    let gram: SMatrix<f64, 6, 6> = weights.iter().map(|(n, w)| block(*n).transpose() * block(*n) * *w).sum();
+    let gram: SMatrix<f64, 6, 6> = weights
+        .iter()
+        .map(|(n, w)| block(*n).transpose() * block(*n) * *w)
+        .sum();
     let inverse = gram.try_inverse().expect("the nodes fix a rigid motion");
     let mut rows = DMatrix::zeros(6, 3 * weights.len());
     for (k, (n, w)) in weights.iter().enumerate() {
-        rows.view_mut((0, 3 * k), (6, 3)).copy_from(&(inverse * block(*n).transpose() * *w));
+        rows.view_mut((0, 3 * k), (6, 3))
+            .copy_from(&(inverse * block(*n).transpose() * *w));
     }
     rows
 }
@@ -73,7 +78,7 @@ proptest! {
         let elsewhere = rigid_field(&points, [motion.centroid[0], motion.centroid[1], motion.centroid[2] + 0.1], q);
         let moved = &motion.rows.rows * elsewhere;
         let expected: f64 = rotation_arm([1.0, 0.0, 0.0], [0.0, 0.0, -0.1]).iter().zip(q).map(|(a, b)| a * b).sum();
-        prop_assert!((moved[0] - expected).abs() < 1e-11 && (moved[0] - q[0] + 0.1 * -q[4] * -1.0).abs() < 1e-11);
+        prop_assert!((moved[0] - expected).abs() < 1e-11 && (moved[0] - q[0]).abs() >= 0.099 * q[4].abs());
     }
 
     #[test]
@@ -138,8 +143,13 @@ fn area_and_centroid_of_a_cylinders_quarter_converge_to_the_closed_form() {
         let mesh = tube(cells);
         let surface = Surface::of_node_set(&mesh, &mesh.node_sets["YMIN"]);
         let motion = motion_of(&surface, &mesh.nodes, &everywhere()).expect("area");
-        assert!(motion.centroid[0].abs() < 1e-5 * radius && (motion.centroid[2] - 0.05).abs() < 1e-5);
-        [(motion.area / (0.5 * PI * radius * length) - 1.0).abs(), (motion.centroid[1] / height - 1.0).abs()]
+        assert!(
+            motion.centroid[0].abs() < 1e-5 * radius && (motion.centroid[2] - 0.05).abs() < 1e-5
+        );
+        [
+            (motion.area / (0.5 * PI * radius * length) - 1.0).abs(),
+            (motion.centroid[1] / height - 1.0).abs(),
+        ]
     });
     println!("{errors:?}");
     for c in 0..2 {
@@ -150,7 +160,10 @@ fn area_and_centroid_of_a_cylinders_quarter_converge_to_the_closed_form() {
         );
     }
     let flat = 2.0 * radius * (PI / 8.0).sin() / (0.25 * PI * radius);
-    assert!((flat - 1.0).abs() > 1e-2, "control: two flat facets would miss the area by 2.6 %");
+    assert!(
+        (flat - 1.0).abs() > 1e-2,
+        "control: two flat facets would miss the area by 2.6 %"
+    );
 }
 
 #[test]
@@ -159,79 +172,55 @@ fn a_face_counts_only_with_all_its_nodes_and_only_outside() {
     let all: Vec<usize> = (0..mesh.nodes.len()).collect();
     let skin = area(&Surface::of_node_set(mesh, &all).weights_within(&everywhere()));
     let whole = 2.0 * (SIZE[0] * SIZE[1] + SIZE[1] * SIZE[2] + SIZE[2] * SIZE[0]);
-    assert!((skin - whole).abs() < 1e-13, "faces between two elements do not count: {skin} {whole}");
+    assert!(
+        (skin - whole).abs() < 1e-13,
+        "faces between two elements do not count: {skin} {whole}"
+    );
     let midside = surface.faces[0].nodes[3];
-    let without: Vec<usize> = mesh.node_sets["YMAX"].iter().copied().filter(|n| *n != midside).collect();
+    let without: Vec<usize> = mesh.node_sets["YMAX"]
+        .iter()
+        .copied()
+        .filter(|n| *n != midside)
+        .collect();
     let fewer = Surface::of_node_set(mesh, &without).faces.len();
-    assert!(fewer < surface.faces.len() && fewer + 2 >= surface.faces.len(), "a midside node carries one or two faces");
+    assert!(
+        fewer < surface.faces.len() && fewer + 2 >= surface.faces.len(),
+        "a midside node carries one or two faces"
+    );
 }
 
 #[test]
 fn a_node_set_without_a_face_and_a_window_without_area_are_refused() {
     let mut mesh = block().0.clone();
     mesh.node_sets.insert("EDGE".into(), vec![0, 1, 2, 3]);
-    let refused = |interface: Interface| interface_motions(&part("block", &[], vec![interface]), &mesh).err();
+    let refused =
+        |interface: Interface| interface_motions(&part("block", &[], vec![interface]), &mesh).err();
     let edge = refused(on("EDGE"));
-    assert!(matches!(&edge, Some(SolidError::NoSurface { interface, .. }) if interface == "EDGE"), "{edge:?}");
-    let window = refused(Interface { within: Some(slab(2, 3.0, 4.0)), ..on("YMAX") });
-    let Some(SolidError::NoSurface { reason, .. }) = &window else { panic!("{window:?}") };
-    assert!(reason.contains("2.0000") && reason.contains("2.5000"), "says what the set spans: {reason}");
-    assert!(matches!(refused(on("NOWHERE")), Some(SolidError::UnknownSet { .. })));
+    assert!(
+        matches!(&edge, Some(SolidError::NoSurface { interface, .. }) if interface == "EDGE"),
+        "{edge:?}"
+    );
+    let window = refused(Interface {
+        within: Some(slab(2, 3.0, 4.0)),
+        ..on("YMAX")
+    });
+    let Some(SolidError::NoSurface { reason, .. }) = &window else {
+        panic!("{window:?}")
+    };
+    assert!(
+        reason.contains("2.0000") && reason.contains("2.5000"),
+        "says what the set spans: {reason}"
+    );
+    assert!(matches!(
+        refused(on("NOWHERE")),
+        Some(SolidError::UnknownSet { .. })
+    ));
     assert!(refused(on("YMAX")).is_none());
-    assert!(refused(Interface { within: Some(slab(2, 2.2, 2.3)), ..on("YMAX") }).is_none());
-}
-
-/// Frequencies of a clamped block whose far face hangs on springs, the face being rigid or not.
-fn on_springs(coupling: SurfaceCoupling, stiffness: f64) -> Vec<f64> {
-    let mesh = box_mesh([0.0; 3], [0.1, 0.1, 0.1], [1, 1, 2]);
-    let face = Interface { coupling, ..on("ZMAX") };
-    let system = assemble(&part("block", &["ZMIN"], vec![face]), &mesh).expect("assembles");
-    let w = system.columns(&system.interfaces[0].rows);
-    let scale = DVector::from_vec(vec![1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3]) * stiffness;
-    let k = full(&system.stiffness) + &w * DMatrix::from_diagonal(&scale) * w.transpose();
-    eigenvalues(&k, &full(&system.mass), 0.0)
-}
-
-// A rigid face is the distributing model restricted to displacements that keep it rigid, so by the
-// minimax principle each of its eigenvalues is at least the distributing one.
-#[test]
-fn rigid_coupling_bounds_each_frequency_from_above_and_distributing_from_below() {
-    let stiffness = 1e10;
-    let (soft, hard) =
-        (on_springs(SurfaceCoupling::Distributing, stiffness), on_springs(SurfaceCoupling::Rigid, stiffness));
-    assert!(hard.len() < soft.len());
-    for (r, (s, h)) in soft.iter().zip(&hard).enumerate() {
-        assert!(h >= &(s * (1.0 - 1e-10)), "mode {r}: {s} {h}");
-    }
-    assert!(hard[0] > 1.001 * soft[0], "and the bound is not empty: {} {}", soft[0], hard[0]);
-    let without = on_springs(SurfaceCoupling::Rigid, 1.0);
-    assert!(without[0] < soft[0], "control: a rigid face without its springs lies below");
-}
-
-#[test]
-fn a_rigid_face_and_a_distributing_one_read_the_same_rigid_motion() {
-    let mesh = box_mesh([0.0; 3], [0.1, 0.1, 0.3], [1, 1, 2]);
-    for coupling in [SurfaceCoupling::Distributing, SurfaceCoupling::Rigid] {
-        let face = Interface { coupling, ..on("ZMAX") };
-        let system = assemble(&part("block", &[], vec![face]), &mesh).expect("assembles");
-        let motion = &system.interfaces[0];
-        let read = system.columns(&motion.rows).transpose() * &system.rigid;
-        // The face's centroid lies 0.15 m above the centre of mass: turning about x moves it along -y, about y along x.
-        let mut expected = DMatrix::identity(6, 6);
-        (expected[(0, 4)], expected[(1, 3)]) = (0.15, -0.15);
-        assert!((read - &expected).amax() < 1e-12);
-        let strain = system.stiffness.multiply(&system.rigid).amax();
-        let scale = system.stiffness.values().iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        assert!(strain < 1e-12 * scale, "rigid motions strain nothing: {strain:.1e} of {scale:.1e}");
-    }
-}
-
-#[test]
-fn two_rigid_faces_that_share_a_node_are_refused() {
-    let mesh = box_mesh([0.0; 3], [0.1; 3], [1; 3]);
-    let rigid = |set: &str| Interface { coupling: SurfaceCoupling::Rigid, ..on(set) };
-    let refused = |clamped: &[&str], list: Vec<Interface>| assemble(&part("block", clamped, list), &mesh).err();
-    assert!(matches!(refused(&[], vec![rigid("ZMAX"), rigid("XMAX")]), Some(SolidError::RigidOverlap { .. })));
-    assert!(matches!(refused(&["XMIN"], vec![rigid("ZMAX")]), Some(SolidError::RigidOverlap { .. })));
-    assert!(refused(&[], vec![rigid("ZMAX"), rigid("ZMIN")]).is_none());
+    assert!(
+        refused(Interface {
+            within: Some(slab(2, 2.2, 2.3)),
+            ..on("YMAX")
+        })
+        .is_none()
+    );
 }

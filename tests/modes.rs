@@ -1,4 +1,4 @@
-//! Modes at a position: counted, named, damped; families over the travel.
+//! Modes at a position: counted, named, damped, followed.
 
 mod support;
 
@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 use stiffmap::coupling::{BasisOptions, CoupledModel, couple};
 use stiffmap::machine::{Damping, Machine, Motion};
-use stiffmap::modal::{ModalError, ModeFamilies, Modes, check_count, mode_table, modes_at, track};
+use stiffmap::modal::{ModalError, Modes, check_count, mode_table, modes_at, track};
 use support::slide::{Slide, ratio, side, spring, springs};
 
 /// The basis reaches to three times this frequency, Hz.
@@ -21,7 +21,7 @@ fn slide() -> &'static Slide {
 fn model(change: impl Fn(&mut Machine)) -> CoupledModel {
     let mut machine = slide().machine.clone();
     change(&mut machine);
-    couple(&machine, &slide().parts, BasisOptions::up_to(BAND)).expect("couples")
+    couple(&machine, &slide().parts, BasisOptions::for_band(BAND)).expect("couples")
 }
 
 fn undamped(model: &CoupledModel, position: f64) -> Modes {
@@ -38,14 +38,18 @@ fn the_count_passes_and_notices_a_mode_that_is_removed() {
         for lost in [0, 5, 9] {
             let mut fewer = modes.clone();
             fewer.eigenvalues.remove(lost);
-            let Err(ModalError::Missed { found, counted, .. }) = check_count(&model, &fewer, 10) else {
+            let Err(ModalError::Missed { found, counted, .. }) = check_count(&model, &fewer, 10)
+            else {
                 panic!("mode {lost}")
             };
             assert_eq!(counted, found + 1);
         }
         let mut doubled = modes.clone();
         doubled.eigenvalues.insert(3, doubled.eigenvalues[3]);
-        assert!(matches!(check_count(&model, &doubled, 10), Err(ModalError::Missed { .. })));
+        assert!(matches!(
+            check_count(&model, &doubled, 10),
+            Err(ModalError::Missed { .. })
+        ));
     }
 }
 
@@ -60,14 +64,21 @@ fn motions_that_nothing_resists_are_at_exactly_zero_and_named() {
     assert_eq!(motions[0].name, "carriage slides along z");
     // A mass-normalised translation moves every point by 1 / sqrt(m).
     let mass = slide().parts[1].mass;
-    assert!((motions[0].at_outputs * mass.sqrt() - 1.0).abs() < 1e-6, "{}", motions[0].at_outputs);
+    assert!(
+        (motions[0].at_outputs * mass.sqrt() - 1.0).abs() < 1e-6,
+        "{}",
+        motions[0].at_outputs
+    );
     let turning = model(|m| {
         m.joints[0].springs.remove(3);
     });
     let free = undamped(&turning, 0.1);
     assert_eq!((free.free, free.frequency(0)), (1, 0.0));
     let name = &free.free_motions(&turning)[0].name;
-    assert!(name.starts_with("carriage") && free.frequency(1) > 10.0, "{name}");
+    assert!(
+        name.starts_with("carriage") && free.frequency(1) > 10.0,
+        "{name}"
+    );
     let held = model(|_| {});
     assert!(
         undamped(&held, 0.1).free == 0 && undamped(&held, 0.1).frequency(0) > 10.0,
@@ -79,7 +90,9 @@ fn motions_that_nothing_resists_are_at_exactly_zero_and_named() {
 fn sensitivity(joint: usize, place: usize, position: f64, mode: usize) -> f64 {
     let eigenvalue = |factor: f64| {
         let changed = model(|m| {
-            if let stiffmap::machine::SpringStiffness::Constant(k) = &mut m.joints[joint].springs[place].stiffness {
+            if let stiffmap::machine::SpringStiffness::Constant(k) =
+                &mut m.joints[joint].springs[place].stiffness
+            {
                 *k *= factor;
             }
         });
@@ -102,11 +115,20 @@ fn a_joints_damper_damps_each_mode_by_its_elongation() {
         let expected = c * sensitivity(0, 0, position, r) / (2.0 * modes.eigenvalues[r].sqrt());
         let (off, largest) = (
             (modes.damping_ratios[r] - expected).abs(),
-            modes.damping_ratios[..6].iter().fold(0.0f64, |m, z| m.max(*z)),
+            modes.damping_ratios[..6]
+                .iter()
+                .fold(0.0f64, |m, z| m.max(*z)),
         );
-        assert!(off < 1e-5 * largest, "mode {r}: {} against {expected}", modes.damping_ratios[r]);
+        assert!(
+            off < 1e-5 * largest,
+            "mode {r}: {} against {expected}",
+            modes.damping_ratios[r]
+        );
     }
-    assert!(modes.damping_ratios.iter().any(|z| *z > 1e-4), "and some mode is damped");
+    assert!(
+        modes.damping_ratios.iter().any(|z| *z > 1e-4),
+        "and some mode is damped"
+    );
     let wrong = c * sensitivity(0, 1, position, 0) / (2.0 * modes.eigenvalues[0].sqrt());
     assert!(
         (modes.damping_ratios[0] - wrong).abs() > 1e-3 * modes.damping_ratios[0],
@@ -118,14 +140,20 @@ fn a_joints_damper_damps_each_mode_by_its_elongation() {
 fn lossy(parts: f64, joints: f64) -> CoupledModel {
     model(|m| {
         m.parts.iter_mut().for_each(|p| p.loss_factor = Some(parts));
-        m.joints.iter_mut().for_each(|j| j.loss_factor = Some(joints));
+        m.joints
+            .iter_mut()
+            .for_each(|j| j.loss_factor = Some(joints));
     })
 }
 
 /// Largest relative difference of the first twenty loss factors from `eta`.
 fn loss_error(model: &CoupledModel, eta: f64) -> f64 {
     let losses = undamped(model, 0.1).loss_factors;
-    losses.iter().take(20).map(|loss| (loss / eta - 1.0).abs()).fold(0.0, f64::max)
+    losses
+        .iter()
+        .take(20)
+        .map(|loss| (loss / eta - 1.0).abs())
+        .fold(0.0, f64::max)
 }
 
 #[test]
@@ -136,7 +164,10 @@ fn one_loss_factor_for_all_parts_and_joints_is_the_loss_factor_of_every_mode() {
     // The parts' shares in the residual flexibility are an approximation; see the next test.
     assert!(error < 5e-3, "{error:.1e}");
     let uneven = undamped(&lossy(eta, 0.0), 0.1).loss_factors;
-    assert!(uneven.iter().take(6).any(|loss| loss / eta < 0.9), "control: without the joints' losses it is less");
+    assert!(
+        uneven.iter().take(6).any(|loss| loss / eta < 0.9),
+        "control: without the joints' losses it is less"
+    );
 }
 
 #[test]
@@ -146,134 +177,54 @@ fn the_energies_of_parts_and_joints_add_up_to_the_last_digit() {
     let at = model.at(0.1).expect("rows");
     let s = at.springs.nrows();
     let whole = at.residual.view((0, 0), (s, s)).into_owned();
-    let sum = at.residual_of_part.iter().flatten().fold(DMatrix::zeros(s, s), |sum, part| sum + part);
+    let sum = at
+        .residual_of_part
+        .iter()
+        .flatten()
+        .fold(DMatrix::zeros(s, s), |sum, part| sum + part);
     let error = (&sum - &whole).amax() / whole.amax();
-    assert!(error < 1e-10, "the parts' residual flexibilities differ from the whole by {error:.1e} of it");
+    assert!(
+        error < 1e-10,
+        "the parts' residual flexibilities differ from the whole by {error:.1e} of it"
+    );
     assert!(loss_error(&model, 0.013) < 1e-8);
 }
 
 #[test]
 fn ratios_rayleigh_and_loss_factors_add_up() {
     let model = model(|_| {});
-    let damping = Damping { ratios: vec![0.01, 0.02], rayleigh: Some([3.0, 1e-6]), loss_factor: 0.004 };
+    let damping = Damping {
+        ratios: vec![0.01, 0.02],
+        rayleigh: Some([3.0, 1e-6]),
+        loss_factor: 0.004,
+    };
     let modes = modes_at(&model, &damping, 0.0, 20).expect("modes");
     for r in 0..10 {
         let omega = TAU * modes.frequency(r);
         let expected = if r == 0 { 0.01 } else { 0.02 } + 0.5 * (3.0 / omega + 1e-6 * omega);
-        assert!((modes.damping_ratios[r] - expected).abs() < 1e-12 && modes.loss_factors[r] == 0.004);
+        assert!(
+            (modes.damping_ratios[r] - expected).abs() < 1e-12 && modes.loss_factors[r] == 0.004
+        );
         assert!((modes.damping_ratios[r] - 0.02).abs() > 1e-6);
     }
 }
 
-/// Modes with given frequencies (Hz), by rank, and shapes in the columns.
-fn made(position: f64, mut pairs: Vec<(f64, Vec<f64>)>) -> Modes {
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let n = pairs.len();
-    let shapes = DMatrix::from_fn(n, n, |i, r| pairs[r].1[i]);
-    Modes {
-        position,
-        eigenvalues: pairs.iter().map(|(f, _)| (TAU * f).powi(2)).collect(),
-        free: 0,
-        damping_ratios: vec![0.0; n],
-        loss_factors: vec![0.0; n],
-        outputs: shapes.clone(),
-        inputs: shapes.clone(),
-        direct: DMatrix::zeros(n, n),
-        shapes,
-    }
-}
-
-/// Two families 100 + 20 p and 100 - 20 p Hz, coupled by `coupling` (Hz) about p = `at`, and a third at 150 Hz.
-fn two(position: f64, coupling: f64, at: f64) -> Modes {
-    let delta = 20.0 * (position - at);
-    let split = delta.hypot(coupling);
-    let angle = 0.5 * coupling.atan2(delta);
-    let (c, s) = (angle.cos(), angle.sin());
-    made(
-        position,
-        vec![(100.0 + split, vec![c, s, 0.0]), (100.0 - split, vec![-s, c, 0.0]), (150.0, vec![0.0, 0.0, 1.0])],
-    )
-}
-
-fn tracked(coupling: f64, at: f64) -> ModeFamilies {
-    let stations: Vec<Modes> = [-1.5, -0.5, 0.5, 1.5].map(|p| two(p, coupling, at)).into();
-    track(&stations, 3, &|p| Ok(two(p, coupling, at))).expect("tracks")
-}
-
-fn family(families: &ModeFamilies, name: usize) -> Vec<f64> {
-    families.modes.iter().map(|m| m.iter().find(|m| m.family == name).map_or(f64::NAN, |m| m.frequency)).collect()
-}
-
-#[test]
-fn families_that_cross_keep_their_shapes_labels() {
-    let families = tracked(0.0, 0.1);
-    assert!(families.veerings.is_empty(), "{:?}", families.veerings);
-    let rising = family(&families, 1);
-    assert!(rising.is_sorted() && (rising[0] - 68.0).abs() < 1e-9 && (rising[3] - 128.0).abs() < 1e-9, "{rising:?}");
-    let ranks: Vec<usize> =
-        families.modes.iter().map(|m| m.iter().find(|m| m.family == 1).map_or(0, |m| m.rank)).collect();
-    assert_eq!(ranks, [1, 1, 2, 2]);
-    // Control: families that repel each other over a width that the stations resolve keep their ranks.
-    let apart = tracked(30.0, 0.1);
-    assert!(apart.veerings.is_empty());
-    assert!(apart.modes.iter().all(|m| m.iter().all(|m| m.family == m.rank)), "{:?}", apart.modes);
-}
-
-#[test]
-fn a_veering_narrower_than_the_finest_spacing_is_reported_with_its_pair() {
-    // The station at 0.5 m stands in the veering, 3 mm wide; six bisections of the step of 1 m end at 16 mm.
-    let families = tracked(20.0 / 640.0, 0.501);
-    assert!(!families.veerings.is_empty());
-    for veering in &families.veerings {
-        assert_eq!(veering.families, [1, 2]);
-        assert!(veering.mac > 0.4 && veering.mac < 0.9, "{veering:?}");
-        assert!((veering.from - 0.5).abs() < 0.016 && (veering.to - 0.5).abs() < 0.016, "{veering:?}");
-    }
-    assert!(tracked(2.0, 0.501).veerings.is_empty(), "control: a veering of 0.1 m is followed step by step");
-}
-
-#[test]
-#[ignore = "merge extends a line by the next interval and then no longer recognises the pair's second entry of that interval"]
-fn a_veering_over_two_of_the_finest_intervals_is_one_line() {
-    let veerings = tracked(20.0 / 640.0, 0.501).veerings;
-    assert_eq!(veerings.len(), 1, "{veerings:?}");
-}
-
-#[test]
-fn the_mode_table_gives_range_place_and_interior_extrema() {
-    let frequencies = |p: f64| {
-        vec![
-            (50.0 + 10.0 * p, vec![1.0, 0.0, 0.0]),
-            (80.0 - 8.0 * p * (1.0 - p), vec![0.0, 1.0, 0.0]),
-            (0.0, vec![0.0, 0.0, 1.0]),
-        ]
-    };
-    let stations: Vec<Modes> = [0.0, 0.25, 0.5, 0.75, 1.0].map(|p| made(p, frequencies(p))).into();
-    let families = track(&stations, 3, &|p| Ok(made(p, frequencies(p)))).expect("tracks");
-    let table = mode_table(&families);
-    assert_eq!(table.len(), 3);
-    assert!(
-        table[0].min == 0.0 && table[0].difference_percent == 0.0,
-        "a free motion divides by nothing: {:?}",
-        table[0]
-    );
-    let straight = table[1];
-    assert!(
-        (straight.min - 50.0).abs() < 1e-9
-            && (straight.max - 60.0).abs() < 1e-9
-            && (straight.difference_percent - 20.0).abs() < 1e-7
-    );
-    assert_eq!((straight.position_of_min, straight.position_of_max, straight.interior_extremum), (0.0, 1.0, false));
-    let bowed = table[2];
-    assert!((bowed.min - 78.0).abs() < 1e-9 && bowed.position_of_min == 0.5 && bowed.interior_extremum, "{bowed:?}");
-    assert!(mode_table(&ModeFamilies::default()).is_empty());
-}
-
 #[test]
 fn tracking_a_real_machine_keeps_every_mode_once() {
-    let model =
-        model(|m| m.joints.push(springs("stop", [side(0, 1), side(1, 1)], vec![spring(Motion::Translation, 0, 1e4)])));
-    let stations: Vec<Modes> = slide().machine.axis.stations().into_iter().map(|p| undamped(&model, p)).collect();
+    let model = model(|m| {
+        m.joints.push(springs(
+            "stop",
+            [side(0, 1), side(1, 1)],
+            vec![spring(Motion::Translation, 0, 1e4)],
+        ))
+    });
+    let stations: Vec<Modes> = slide()
+        .machine
+        .axis
+        .stations()
+        .into_iter()
+        .map(|p| undamped(&model, p))
+        .collect();
     let families = track(&stations, 8, &|p| modes_at(&model, &ratio(0.0), p, 20)).expect("tracks");
     assert_eq!(families.positions, slide().machine.axis.stations());
     for (modes, row) in stations.iter().zip(&families.modes) {
@@ -282,7 +233,11 @@ fn tracking_a_real_machine_keeps_every_mode_once() {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), 8, "no family twice at {}", modes.position);
-        assert!(row.iter().enumerate().all(|(r, m)| m.rank == r + 1 && m.frequency == modes.frequency(r)));
+        assert!(
+            row.iter()
+                .enumerate()
+                .all(|(r, m)| m.rank == r + 1 && m.frequency == modes.frequency(r))
+        );
     }
     for row in mode_table(&families) {
         assert!(

@@ -7,29 +7,25 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 use stiffmap::coupling::SideBySide;
 use stiffmap::linalg::symmetric_eigen;
-use stiffmap::machine::{ComponentAnalysis, Joint, Machine, Motion, Part};
-use stiffmap::mesh::Mesh;
-use stiffmap::reduction::{RailSpring, RailTraining, ReductionError, ReductionRequest, Superelement, reduce};
+use stiffmap::machine::{ComponentAnalysis, Joint, Machine, Motion};
+use stiffmap::reduction::Superelement;
 use stiffmap::solid::{SecondOrder, assemble};
 use support::dense::{frequencies, full, side_by_side};
 use support::slide::{fixed_machine, side, spring, springs};
-use support::{box_mesh, craig_bampton, free_interface, on, part, superelement, worst_ratio};
-
-/// A clamped post of 600 unknowns with a free arm of 243 beside its head.
-fn post_and_arm() -> (Vec<Part>, Vec<Mesh>) {
-    let post = box_mesh([0.0; 3], [0.08, 0.1, 0.4], [2, 2, 4]);
-    let arm = box_mesh([0.1, 0.0, 0.3], [0.3, 0.1, 0.1], [4, 1, 1]);
-    let parts =
-        vec![part("post", &["ZMIN"], vec![on("XMAX"), on("ZMAX")]), part("arm", &[], vec![on("XMIN"), on("XMAX")])];
-    (parts, vec![post, arm])
-}
+use support::{craig_bampton, free_interface, post_and_arm, superelement, worst_ratio};
 
 fn joints() -> Vec<Joint> {
     let bolts = [(Motion::Translation, 5e8), (Motion::Rotation, 1e6)];
-    let all =
-        bolts.into_iter().flat_map(|(motion, k)| (0..3).map(move |c| spring(motion, c, k * (1.0 + 0.3 * c as f64))));
-    let braces = (0..2).map(|c| spring(Motion::Translation, c, 2e7)).collect();
-    vec![springs("bolts", [side(0, 0), side(1, 0)], all.collect()), springs("brace", [side(0, 1), side(1, 0)], braces)]
+    let all = bolts
+        .into_iter()
+        .flat_map(|(motion, k)| (0..3).map(move |c| spring(motion, c, k * (1.0 + 0.3 * c as f64))));
+    let braces = (0..2)
+        .map(|c| spring(Motion::Translation, c, 2e7))
+        .collect();
+    vec![
+        springs("bolts", [side(0, 0), side(1, 0)], all.collect()),
+        springs("brace", [side(0, 1), side(1, 0)], braces),
+    ]
 }
 
 fn machine() -> Machine {
@@ -39,26 +35,49 @@ fn machine() -> Machine {
 /// The unreduced machine: K + sum k b b^T over the nodes of both parts, built from the interfaces' columns.
 fn unreduced(joints: &[Joint]) -> Vec<f64> {
     let (parts, meshes) = post_and_arm();
-    let systems: Vec<SecondOrder> =
-        parts.iter().zip(&meshes).map(|(p, m)| assemble(p, m).expect("assembles")).collect();
+    let systems: Vec<SecondOrder> = parts
+        .iter()
+        .zip(&meshes)
+        .map(|(p, m)| assemble(p, m).expect("assembles"))
+        .collect();
     let first = [0, systems[0].n_dof()];
     let mut k = side_by_side(&full(&systems[0].stiffness), &full(&systems[1].stiffness));
     let m = side_by_side(&full(&systems[0].mass), &full(&systems[1].mass));
     for joint in joints {
-        let motions = joint.between.map(|at| &systems[at.part].interfaces[at.interface]);
-        let columns = joint.between.map(|at| systems[at.part].columns(&systems[at.part].interfaces[at.interface].rows));
+        let motions = joint
+            .between
+            .map(|at| &systems[at.part].interfaces[at.interface]);
+        let columns = joint
+            .between
+            .map(|at| systems[at.part].columns(&systems[at.part].interfaces[at.interface].rows));
         for spring in &joint.springs {
             let d = nalgebra::Vector3::from(spring.direction);
             let mut b = nalgebra::DVector::zeros(k.nrows());
             for (s, sign) in [-1.0, 1.0].into_iter().enumerate() {
-                let arm = nalgebra::Vector3::from(motions[1].centroid) - nalgebra::Vector3::from(motions[s].centroid);
+                let arm = nalgebra::Vector3::from(motions[1].centroid)
+                    - nalgebra::Vector3::from(motions[s].centroid);
                 // d . (t + theta x arm)
-                let turn = if spring.motion == Motion::Rotation { d } else { arm.cross(&d) };
-                let shift = if spring.motion == Motion::Rotation { 0.0 } else { 1.0 };
-                let q =
-                    nalgebra::DVector::from_vec(vec![shift * d.x, shift * d.y, shift * d.z, turn.x, turn.y, turn.z]);
+                let turn = if spring.motion == Motion::Rotation {
+                    d
+                } else {
+                    arm.cross(&d)
+                };
+                let shift = if spring.motion == Motion::Rotation {
+                    0.0
+                } else {
+                    1.0
+                };
+                let q = nalgebra::DVector::from_vec(vec![
+                    shift * d.x,
+                    shift * d.y,
+                    shift * d.z,
+                    turn.x,
+                    turn.y,
+                    turn.z,
+                ]);
                 let part = joint.between[s].part;
-                b.rows_mut(first[part], systems[part].n_dof()).axpy(sign, &(&columns[s] * q), 1.0);
+                b.rows_mut(first[part], systems[part].n_dof())
+                    .axpy(sign, &(&columns[s] * q), 1.0);
             }
             let stiffmap::machine::SpringStiffness::Constant(stiffness) = spring.stiffness else {
                 unreachable!("plain springs")
@@ -76,25 +95,44 @@ fn reference() -> &'static [f64] {
 
 fn reduced(component: ComponentAnalysis) -> Vec<Superelement> {
     let (parts, meshes) = post_and_arm();
-    parts.iter().zip(&meshes).map(|(part, mesh)| superelement(part, mesh, component)).collect()
+    parts
+        .iter()
+        .zip(&meshes)
+        .map(|(part, mesh)| superelement(part, mesh, component))
+        .collect()
 }
 
 fn coupled(component: ComponentAnalysis) -> Vec<f64> {
     let model = SideBySide::new(&machine(), &reduced(component)).expect("couples");
-    let eigen = symmetric_eigen(&model.coupled_stiffness(0.0).expect("stiffness")).expect("converges");
-    eigen.values.iter().take(12).map(|l| l.max(0.0).sqrt() / TAU).collect()
+    let eigen =
+        symmetric_eigen(&model.coupled_stiffness(0.0).expect("stiffness")).expect("converges");
+    eigen
+        .values
+        .iter()
+        .take(12)
+        .map(|l| l.max(0.0).sqrt() / TAU)
+        .collect()
 }
 
 fn without_second_moments(component: ComponentAnalysis) -> ComponentAnalysis {
-    ComponentAnalysis { second_moment: false, ..component }
+    ComponentAnalysis {
+        second_moment: false,
+        ..component
+    }
 }
 
 // Measured with 24 component modes a part: see the figures that the test prints.
 #[test]
 fn both_methods_give_the_unreduced_machines_frequencies() {
-    for (name, method) in [("Craig-Bampton", craig_bampton(24)), ("free interface", free_interface(24))] {
+    for (name, method) in [
+        ("Craig-Bampton", craig_bampton(24)),
+        ("free interface", free_interface(24)),
+    ] {
         let with = worst_ratio(&coupled(method)[..10], &reference()[..10]);
-        let without = worst_ratio(&coupled(without_second_moments(method))[..10], &reference()[..10]);
+        let without = worst_ratio(
+            &coupled(without_second_moments(method))[..10],
+            &reference()[..10],
+        );
         println!("{name}: {with:.1e} with second moments, {without:.1e} without");
         assert!(with < 1e-6, "{name}: {with:.1e}");
         assert!(
@@ -102,13 +140,19 @@ fn both_methods_give_the_unreduced_machines_frequencies() {
             "{name}: {without:.1e} without second moments against {with:.1e}"
         );
         for (f, exact) in coupled(method).iter().zip(reference()) {
-            assert!(*f > exact * (1.0 - 1e-9), "Ritz values lie above: {f} {exact}");
+            assert!(
+                *f > exact * (1.0 - 1e-9),
+                "Ritz values lie above: {f} {exact}"
+            );
         }
     }
     let mut softer = joints();
     softer[0].springs.remove(0);
     let other = worst_ratio(&coupled(craig_bampton(24))[..10], &unreduced(&softer)[..10]);
-    assert!(other > 1e-3, "control: a machine without one spring is another one, {other:.1e}");
+    assert!(
+        other > 1e-3,
+        "control: a machine without one spring is another one, {other:.1e}"
+    );
 }
 
 #[test]
@@ -116,7 +160,12 @@ fn the_two_methods_agree_with_each_other() {
     let (fixed, free) = (coupled(craig_bampton(24)), coupled(free_interface(24)));
     let error = worst_ratio(&fixed[..10], &free[..10]);
     assert!(error < 1e-6, "{error:.1e}");
-    assert!(worst_ratio(&fixed[..10], &coupled(without_second_moments(free_interface(3)))[..10]) > 1e-5);
+    assert!(
+        worst_ratio(
+            &fixed[..10],
+            &coupled(without_second_moments(free_interface(3)))[..10]
+        ) > 1e-5
+    );
 }
 
 #[test]
@@ -124,13 +173,22 @@ fn static_compliance_at_a_port_is_exact_even_with_few_modes() {
     let (parts, meshes) = post_and_arm();
     let system = assemble(&parts[0], &meshes[0]).expect("assembles");
     let w = system.columns(&system.interfaces[1].rows);
-    let exact = w.transpose() * full(&system.stiffness).cholesky().expect("clamped").solve(&w);
+    let exact = w.transpose()
+        * full(&system.stiffness)
+            .cholesky()
+            .expect("clamped")
+            .solve(&w);
     let compliance = |s: &Superelement| {
         let rows = &s.interfaces[1].rows;
         let scaled = DMatrix::from_fn(6, s.n(), |q, i| rows[(q, i)] / s.eigenvalues[i]);
         scaled * rows.transpose()
     };
-    for component in [craig_bampton(2), free_interface(2), craig_bampton(24), free_interface(24)] {
+    for component in [
+        craig_bampton(2),
+        free_interface(2),
+        craig_bampton(24),
+        free_interface(24),
+    ] {
         let s = superelement(&parts[0], &meshes[0], component);
         let error = (compliance(&s) - &exact).amax() / exact.amax();
         assert!(error < 1e-10, "{component:?}: {error:.1e}");
@@ -140,77 +198,4 @@ fn static_compliance_at_a_port_is_exact_even_with_few_modes() {
     s.eigenvalues.truncate(20);
     s.interfaces[1].rows = s.interfaces[1].rows.columns(0, 20).into_owned();
     assert!((compliance(&s) - &exact).amax() / exact.amax() > 1e-4);
-}
-
-#[test]
-fn a_free_part_keeps_exactly_six_zeros_and_its_rigid_motions() {
-    let (parts, meshes) = post_and_arm();
-    for component in [craig_bampton(10), free_interface(10)] {
-        let s = superelement(&parts[1], &meshes[1], component);
-        assert!(s.eigenvalues[..6].iter().all(|l| *l == 0.0) && s.eigenvalues[6] > 1e6);
-        assert!(s.eigenvalues.is_sorted());
-        assert!((s.mass / (7850.0 * 0.3 * 0.1 * 0.1) - 1.0).abs() < 1e-12);
-        // sum over coordinates of impulse x impulse^T is the rigid mass matrix, all of it in the six zeros.
-        let six = s.impulses.columns(0, 6);
-        let gram = six * six.transpose();
-        assert!((gram[(0, 0)] / s.mass - 1.0).abs() < 1e-11 && (gram[(3, 3)] / s.inertia[(0, 0)] - 1.0).abs() < 1e-10);
-        assert!(s.impulses.columns(6, s.n() - 6).amax() < 1e-9 * six.amax(), "elastic coordinates carry no momentum");
-        // The end face 0.15 m from the centre reads a turn about z as a motion along y.
-        let z = s.impulses.row(5).transpose();
-        let read = &s.interfaces[1].rows * &z;
-        assert!((read[5] - 1.0).abs() < 1e-10 && (read[1] - 0.15).abs() < 1e-10 && read[0].abs() < 1e-10, "{read}");
-        let other = &s.interfaces[0].rows * &z;
-        assert!((other[1] + 0.15).abs() < 1e-10, "control: the other end moves the other way");
-        let clamped = superelement(&parts[0], &meshes[0], component);
-        assert!(clamped.eigenvalues[0] > 1e5, "control: a clamped part has no zero");
-    }
-}
-
-#[test]
-fn component_modes_are_the_parts_own() {
-    let (parts, meshes) = post_and_arm();
-    let system = assemble(&parts[1], &meshes[1]).expect("assembles");
-    let exact = frequencies(&full(&system.stiffness), &full(&system.mass), 1e6);
-    let free = superelement(&parts[1], &meshes[1], free_interface(12));
-    assert_eq!(free.component_frequencies.len(), 12);
-    assert!(worst_ratio(&free.component_frequencies, &exact[6..18]) < 1e-8);
-    let held = superelement(&parts[1], &meshes[1], craig_bampton(12));
-    assert!(
-        worst_ratio(&held.component_frequencies, &exact[6..18]) > 0.02,
-        "control: with the interfaces held they are others"
-    );
-    let limit = 0.5 * (exact[9] + exact[10]);
-    let banded = superelement(&parts[1], &meshes[1], ComponentAnalysis { band: limit, ..free_interface(12) });
-    assert_eq!(banded.component_frequencies.len(), 4, "the band ends at {limit:.0} Hz");
-}
-
-// A rail that is trained for springs along x and y alone holds neither z nor the turn about z.
-#[test]
-fn a_free_part_whose_interfaces_do_not_hold_it_has_no_constraint_modes() {
-    let (parts, meshes) = post_and_arm();
-    let mut alone = parts[1].clone();
-    alone.interfaces.truncate(1);
-    let along = |direction| RailSpring { point: [0.1, 0.05, 0.0], direction, rotation: false };
-    let rail = RailTraining {
-        interface: 0,
-        direction: [0.0, 0.0, 1.0],
-        footprint: 0.1,
-        centres: vec![0.35],
-        springs: vec![along([1.0, 0.0, 0.0]), along([0.0, 1.0, 0.0])],
-    };
-    let request = |component| ReductionRequest { part: alone.clone(), component, rails: vec![rail.clone()] };
-    let refused = reduce(&request(craig_bampton(5)), &meshes[1], None).err();
-    assert!(matches!(&refused, Some(ReductionError::NotHeld { free: 4, .. })), "{refused:?}");
-    assert!(reduce(&request(free_interface(5)), &meshes[1], None).is_ok());
-    assert!(reduce(&ReductionRequest { rails: vec![], ..request(craig_bampton(5)) }, &meshes[1], None).is_ok());
-}
-
-#[test]
-#[ignore = "Constrained::new takes the singular values of an empty matrix and panics where NotHeld { free: 6 } is due"]
-fn a_free_part_without_any_interface_has_no_constraint_modes() {
-    let (mut parts, meshes) = post_and_arm();
-    parts[1].interfaces.clear();
-    let request = ReductionRequest { part: parts[1].clone(), component: craig_bampton(5), rails: vec![] };
-    let refused = reduce(&request, &meshes[1], None).err();
-    assert!(matches!(&refused, Some(ReductionError::NotHeld { free: 6, .. })), "{refused:?}");
 }

@@ -168,8 +168,8 @@ fn a_cantilevers_frequency_falls_towards_its_limit() {
 }
 
 #[test]
-fn a_free_beam_agrees_with_timoshenkos_limit_of_a_slender_one() {
-    // Free-free Euler beam, (beta L) = 4.730041, corrected for shear and rotation to first order in (w / L)^2.
+fn a_slender_free_beam_agrees_with_eulers() {
+    // Free-free Euler beam, beta L = 4.730041; shear and rotation lower it by some 0.2 % at w / L = 0.02.
     let (length, width) = (1.0, 0.02);
     let m = steel();
     let body = system(&box_mesh([0.0; 3], [width, width, length], [1, 1, 24]), &[]);

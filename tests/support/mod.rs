@@ -3,6 +3,7 @@
 
 pub mod dense;
 pub mod slide;
+pub mod tets;
 
 use std::path::PathBuf;
 use stiffmap::machine::{
@@ -132,4 +133,15 @@ pub fn superelement(part: &Part, mesh: &Mesh, component: ComponentAnalysis) -> S
 pub fn worst_ratio(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().zip(b);
     pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// A clamped post of 600 unknowns with a free arm of 243 beside its head.
+pub fn post_and_arm() -> (Vec<Part>, Vec<Mesh>) {
+    let post = box_mesh([0.0; 3], [0.08, 0.1, 0.4], [2, 2, 4]);
+    let arm = box_mesh([0.1, 0.0, 0.3], [0.3, 0.1, 0.1], [4, 1, 1]);
+    let parts = vec![
+        part("post", &["ZMIN"], vec![on("XMAX"), on("ZMAX")]),
+        part("arm", &[], vec![on("XMIN"), on("XMAX")]),
+    ];
+    (parts, vec![post, arm])
 }
