@@ -5,8 +5,21 @@ use std::path::{Path, PathBuf};
 
 /// The way of the data; a module uses only what stands before it.
 const ORDER: [&str; 15] = [
-    "interrupt", "machine", "mesh", "element", "linalg", "solid", "reduction", "coupling", "modal", "state_space", "frf",
-    "gpu", "export", "figures", "pipeline",
+    "interrupt",
+    "machine",
+    "mesh",
+    "element",
+    "linalg",
+    "solid",
+    "reduction",
+    "coupling",
+    "modal",
+    "state_space",
+    "frf",
+    "gpu",
+    "export",
+    "figures",
+    "pipeline",
 ];
 const LONGEST: usize = 400;
 
@@ -156,7 +169,8 @@ fn no_file_is_too_long() {
 #[test]
 fn every_shader_has_its_twin_and_its_tests() {
     let stems = files("shaders", "wgsl").into_iter().filter(|f| !f.starts_with("shaders/shared"));
-    let tests: Vec<PathBuf> = files("tests", "rs").into_iter().filter(|f| *f != Path::new("tests/architecture.rs")).collect();
+    let tests: Vec<PathBuf> =
+        files("tests", "rs").into_iter().filter(|f| *f != Path::new("tests/architecture.rs")).collect();
     for stem in stems {
         let stem = stem.file_stem().unwrap().to_string_lossy().into_owned();
         for room in ["frf", "gpu"] {

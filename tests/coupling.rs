@@ -26,34 +26,21 @@ fn clamped() -> &'static Clamped {
     SLIDE.get_or_init(|| {
         let slide = Slide::new(true);
         let side_by_side = SideBySide::new(&slide.machine, &slide.parts).expect("couples");
-        let model =
-            couple(&slide.machine, &slide.parts, BasisOptions::for_band(BAND)).expect("couples");
-        Clamped {
-            slide,
-            side_by_side,
-            model,
-        }
+        let model = couple(&slide.machine, &slide.parts, BasisOptions::up_to(BAND)).expect("couples");
+        Clamped { slide, side_by_side, model }
     })
 }
 
 /// Reduced coordinates of a common rigid motion of both parts in their places at a position.
 fn rigid(slide: &Slide, position: f64, q: [f64; 6]) -> DVector<f64> {
-    let parts = slide
-        .parts
-        .iter()
-        .zip(&slide.machine.axis.moves)
-        .flat_map(|(part, moves)| {
-            let mut centre = part.centre_of_mass;
-            centre[2] += if *moves { position } else { 0.0 };
-            let turn = nalgebra::Vector3::new(q[3], q[4], q[5]);
-            let shift = nalgebra::Vector3::new(q[0], q[1], q[2])
-                + turn.cross(&nalgebra::Vector3::from(centre));
-            let motion = DVector::from_iterator(6, shift.iter().chain(turn.iter()).copied());
-            (part.impulses.transpose() * motion)
-                .iter()
-                .copied()
-                .collect::<Vec<f64>>()
-        });
+    let parts = slide.parts.iter().zip(&slide.machine.axis.moves).flat_map(|(part, moves)| {
+        let mut centre = part.centre_of_mass;
+        centre[2] += if *moves { position } else { 0.0 };
+        let turn = nalgebra::Vector3::new(q[3], q[4], q[5]);
+        let shift = nalgebra::Vector3::new(q[0], q[1], q[2]) + turn.cross(&nalgebra::Vector3::from(centre));
+        let motion = DVector::from_iterator(6, shift.iter().chain(turn.iter()).copied());
+        (part.impulses.transpose() * motion).iter().copied().collect::<Vec<f64>>()
+    });
     DVector::from_vec(parts.collect())
 }
 
@@ -95,18 +82,9 @@ proptest! {
 fn rows_are_continuous_in_the_position() {
     let model = &clamped().side_by_side;
     // About places where the footprint's end crosses a node plane (bed cells of 1/12 m) and where it does not.
-    for p in [
-        0.11,
-        -0.06 + 1.0 / 12.0,
-        0.0,
-        0.5 - 0.06 - 5.0 / 12.0,
-        -0.237,
-    ] {
+    for p in [0.11, -0.06 + 1.0 / 12.0, 0.0, 0.5 - 0.06 - 5.0 / 12.0, -0.237] {
         let jump = |h: f64| {
-            let (a, b) = (
-                model.rows(p - 0.5 * h).expect("rows"),
-                model.rows(p + 0.5 * h).expect("rows"),
-            );
+            let (a, b) = (model.rows(p - 0.5 * h).expect("rows"), model.rows(p + 0.5 * h).expect("rows"));
             (a - b).amax()
         };
         let (coarse, fine, finest) = (jump(1e-4), jump(1e-6), jump(1e-8));
@@ -116,39 +94,19 @@ fn rows_are_continuous_in_the_position() {
         );
         assert!(finest < 0.02 * fine, "no jump at {p}: {finest:.2e}");
         let scale = model.rows(p).expect("rows").amax();
-        assert!(
-            coarse < 0.01 * scale && jump(0.05) > 0.01 * scale,
-            "control: a step of half a footprint shows"
-        );
+        assert!(coarse < 0.01 * scale && jump(0.05) > 0.01 * scale, "control: a step of half a footprint shows");
     }
 }
 
 #[test]
 fn the_fixed_basis_agrees_with_the_whole_reduced_machine_between_its_training_positions() {
-    let Clamped {
-        slide,
-        side_by_side,
-        model,
-    } = clamped();
-    assert!(
-        model.n() < side_by_side.n(),
-        "{} of {}",
-        model.n(),
-        side_by_side.n()
-    );
+    let Clamped { slide, side_by_side, model } = clamped();
+    assert!(model.n() < side_by_side.n(), "{} of {}", model.n(), side_by_side.n());
     let positions = [0.3, 0.2871, 0.1234, 0.0171, -0.0457, -0.2113, -0.3];
     let exact = positions.map(|p| {
         let k = side_by_side.coupled_stiffness(p).expect("stiffness");
-        let values = eigenvalues(
-            &k,
-            &DMatrix::identity(side_by_side.n(), side_by_side.n()),
-            0.0,
-        );
-        let below: Vec<f64> = values
-            .iter()
-            .map(|l| l.sqrt() / TAU)
-            .take_while(|f| *f < BAND)
-            .collect();
+        let values = eigenvalues(&k, &DMatrix::identity(side_by_side.n(), side_by_side.n()), 0.0);
+        let below: Vec<f64> = values.iter().map(|l| l.sqrt() / TAU).take_while(|f| *f < BAND).collect();
         assert!(below.len() >= 6, "{below:?}");
         below
     });
@@ -160,15 +118,8 @@ fn the_fixed_basis_agrees_with_the_whole_reduced_machine_between_its_training_po
         };
         positions.iter().zip(&exact).map(error).fold(0.0, f64::max)
     };
-    let rough = couple(
-        &slide.machine,
-        &slide.parts,
-        BasisOptions {
-            band: BAND,
-            tolerance: 0.1,
-        },
-    )
-    .expect("couples");
+    let rough = couple(&slide.machine, &slide.parts, BasisOptions { frequency: BAND, band: BAND, tolerance: 0.1 })
+        .expect("couples");
     let (fine, coarse) = (worst(model), worst(&rough));
     println!(
         "fixed basis: {} of {} coordinates {fine:.1e}, {} coordinates {coarse:.1e}",
@@ -177,19 +128,12 @@ fn the_fixed_basis_agrees_with_the_whole_reduced_machine_between_its_training_po
         rough.n()
     );
     assert!(fine < 1e-6, "{fine:.1e}");
-    assert!(
-        coarse > 1e-6 && coarse < 1e-2,
-        "control: a basis that ends at the band, {coarse:.1e}"
-    );
+    assert!(coarse > 1e-6 && coarse < 1e-2, "control: a basis that ends at the band, {coarse:.1e}");
 }
 
 #[test]
 fn the_tools_static_compliance_is_that_of_the_side_by_side_machine() {
-    let Clamped {
-        side_by_side,
-        model,
-        ..
-    } = clamped();
+    let Clamped { side_by_side, model, .. } = clamped();
     let ports = |rows: &[stiffmap::coupling::PortRow]| {
         DMatrix::from_rows(&rows.iter().map(|r| r.row.clone()).collect::<Vec<_>>())
     };
@@ -199,21 +143,14 @@ fn the_tools_static_compliance_is_that_of_the_side_by_side_machine() {
         let exact = &outputs * k.cholesky().expect("held").solve(&inputs.transpose());
         let modes = modes_at(model, &ratio(0.0), p, model.n()).expect("modes");
         let sum = |count: usize| {
-            let scaled = DMatrix::from_fn(modes.outputs.nrows(), count, |i, r| {
-                modes.outputs[(i, r)] / modes.eigenvalues[r]
-            });
+            let scaled =
+                DMatrix::from_fn(modes.outputs.nrows(), count, |i, r| modes.outputs[(i, r)] / modes.eigenvalues[r]);
             scaled * modes.inputs.columns(0, count).transpose()
         };
         let error = (sum(model.n()) + &modes.direct - &exact).norm() / exact.norm();
         assert!(error < 1e-8, "{p}: {error:.1e}");
-        assert!(
-            (sum(5) + &modes.direct - &exact).norm() / exact.norm() > 1e-4,
-            "control: five modes are not enough"
-        );
-        assert!(
-            (&exact - exact.transpose()).norm() < 1e-9 * exact.norm(),
-            "reciprocity"
-        );
+        assert!((sum(5) + &modes.direct - &exact).norm() / exact.norm() > 1e-4, "control: five modes are not enough");
+        assert!((&exact - exact.transpose()).norm() < 1e-9 * exact.norm(), "reciprocity");
     }
 }
 
@@ -224,16 +161,9 @@ fn a_ball_screw_is_as_stiff_as_its_free_length_allows() {
     for (p, length) in [(TRAVEL[0], 0.15), (0.0, 0.45), (TRAVEL[1], 0.75)] {
         let stiffness = model.stiffness(p).expect("stiffness");
         let expected = 210e9 * PI * 0.016 * 0.016 / (4.0 * length);
-        assert!(
-            (stiffness[5] / expected - 1.0).abs() < 1e-12,
-            "{p}: {} {expected}",
-            stiffness[5]
-        );
+        assert!((stiffness[5] / expected - 1.0).abs() < 1e-12, "{p}: {} {expected}", stiffness[5]);
         assert_eq!(stiffness[..5], [5e7, 9e7, 2e5, 3e5, 1e5]);
-        assert!(
-            (stiffness[5] / (expected * 4.0 / PI) - 1.0).abs() > 0.2,
-            "control: not E D^2 / L"
-        );
+        assert!((stiffness[5] / (expected * 4.0 / PI) - 1.0).abs() > 0.2, "control: not E D^2 / L");
     }
 }
 
@@ -245,19 +175,10 @@ fn a_screw_whose_ends_meet_and_a_footprint_off_its_rail_are_refused() {
         far.axis.travel = [0.0, travel];
         SideBySide::new(&far, parts).err()
     };
-    assert!(
-        matches!(refused(0.5), Some(CouplingError::ScrewLength { length, .. }) if length <= 0.0)
-    );
+    assert!(matches!(refused(0.5), Some(CouplingError::ScrewLength { length, .. }) if length <= 0.0));
     // The rail ends at z = 0; the carriage's middle stands at 0.5 m, its footprint reaches 0.06 m to either side.
     assert!(refused(-0.44).is_none(), "the footprint ends with the rail");
-    let Some(CouplingError::FootprintLeavesRail {
-        joint,
-        position,
-        from,
-        rail_from,
-        ..
-    }) = refused(-0.6)
-    else {
+    let Some(CouplingError::FootprintLeavesRail { joint, position, from, rail_from, .. }) = refused(-0.6) else {
         panic!("leaves the rail")
     };
     assert_eq!(joint, "guide");
@@ -268,13 +189,7 @@ fn a_screw_whose_ends_meet_and_a_footprint_off_its_rail_are_refused() {
             && rail_from.abs() < 1e-12
     );
     let model = &clamped().model;
-    assert!(matches!(
-        model.at(0.31),
-        Err(CouplingError::OutsideTravel { .. })
-    ));
-    assert!(matches!(
-        model.at(f64::NAN),
-        Err(CouplingError::OutsideTravel { .. })
-    ));
+    assert!(matches!(model.at(0.31), Err(CouplingError::OutsideTravel { .. })));
+    assert!(matches!(model.at(f64::NAN), Err(CouplingError::OutsideTravel { .. })));
     assert!(model.at(0.3).is_ok());
 }

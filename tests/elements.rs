@@ -7,12 +7,7 @@ use proptest::prelude::*;
 use stiffmap::element::{tet10, tri6};
 use support::tets::{curved, skewed, straight};
 
-const UNIT: [[f64; 3]; 4] = [
-    [0.0, 0.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-];
+const UNIT: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 prop_compose! {
     fn inside()(u in 0.0..1.0f64, v in 0.0..1.0f64, w in 0.0..1.0f64) -> [f64; 3] {
@@ -27,26 +22,13 @@ prop_compose! {
 fn each_shape_function_is_one_at_its_own_node_and_zero_at_the_others() {
     for (i, at) in straight(UNIT).into_iter().enumerate() {
         for (j, n) in tet10::shape(at).into_iter().enumerate() {
-            assert!(
-                (n - f64::from(u8::from(i == j))).abs() < 1e-15,
-                "N{j} at {i}"
-            );
+            assert!((n - f64::from(u8::from(i == j))).abs() < 1e-15, "N{j} at {i}");
         }
     }
-    let face = [
-        [0.0, 0.0],
-        [1.0, 0.0],
-        [0.0, 1.0],
-        [0.5, 0.0],
-        [0.5, 0.5],
-        [0.0, 0.5],
-    ];
+    let face = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
     for (i, at) in face.into_iter().enumerate() {
         for (j, n) in tri6::shape(at).into_iter().enumerate() {
-            assert!(
-                (n - f64::from(u8::from(i == j))).abs() < 1e-15,
-                "N{j} at {i}"
-            );
+            assert!((n - f64::from(u8::from(i == j))).abs() < 1e-15, "N{j} at {i}");
         }
     }
 }
@@ -121,34 +103,17 @@ fn faces_look_outward_and_their_midsides_follow_their_corners() {
     let mut volume = 0.0;
     for face in tet10::FACES {
         let p = face.map(|i| Vector3::from(x[i]));
-        let opposite = (0..4)
-            .find(|i| !face[..3].contains(i))
-            .expect("a corner is left");
+        let opposite = (0..4).find(|i| !face[..3].contains(i)).expect("a corner is left");
         let area = 0.5 * (p[1] - p[0]).cross(&(p[2] - p[0]));
-        assert!(
-            area.dot(&(p[0] - Vector3::from(x[opposite]))) > 0.0,
-            "outward"
-        );
-        assert!(
-            0.5 * (p[2] - p[0])
-                .cross(&(p[1] - p[0]))
-                .dot(&(p[0] - Vector3::from(x[opposite])))
-                < 0.0
-        );
+        assert!(area.dot(&(p[0] - Vector3::from(x[opposite]))) > 0.0, "outward");
+        assert!(0.5 * (p[2] - p[0]).cross(&(p[1] - p[0])).dot(&(p[0] - Vector3::from(x[opposite]))) < 0.0);
         for k in 0..3 {
-            assert!(
-                (p[3 + k] - 0.5 * (p[k] + p[(k + 1) % 3])).norm() < 1e-15,
-                "midside {k}"
-            );
+            assert!((p[3 + k] - 0.5 * (p[k] + p[(k + 1) % 3])).norm() < 1e-15, "midside {k}");
         }
         let coordinates = face.map(|i| x[i]);
         assert!((tri6::area_element(&coordinates, [0.2, 0.3]) - 2.0 * area.norm()).abs() < 1e-14);
         volume += area.dot(&((p[0] + p[1] + p[2]) / 3.0)) / 3.0;
     }
     let (_, det) = tet10::gradients(&x, [0.25; 3]);
-    assert!(
-        (volume - det / 6.0).abs() < 1e-15,
-        "divergence theorem: {volume} and {}",
-        det / 6.0
-    );
+    assert!((volume - det / 6.0).abs() < 1e-15, "divergence theorem: {volume} and {}", det / 6.0);
 }

@@ -41,19 +41,14 @@ fn plain_rows(weights: &[(usize, f64)], nodes: &[[f64; 3]], reference: [f64; 3])
         let mut r = SMatrix::<f64, 3, 6>::zeros();
         r.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
         let arm = Vector3::from(nodes[n]) - Vector3::from(reference);
-        r.fixed_view_mut::<3, 3>(0, 3)
-            .copy_from(&(-arm.cross_matrix()));
+        r.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-arm.cross_matrix()));
         r
     };
-    let gram: SMatrix<f64, 6, 6> = weights
-        .iter()
-        .map(|(n, w)| block(*n).transpose() * block(*n) * *w)
-        .sum();
+    let gram: SMatrix<f64, 6, 6> = weights.iter().map(|(n, w)| block(*n).transpose() * block(*n) * *w).sum();
     let inverse = gram.try_inverse().expect("the nodes fix a rigid motion");
     let mut rows = DMatrix::zeros(6, 3 * weights.len());
     for (k, (n, w)) in weights.iter().enumerate() {
-        rows.view_mut((0, 3 * k), (6, 3))
-            .copy_from(&(inverse * block(*n).transpose() * *w));
+        rows.view_mut((0, 3 * k), (6, 3)).copy_from(&(inverse * block(*n).transpose() * *w));
     }
     rows
 }
@@ -143,13 +138,8 @@ fn area_and_centroid_of_a_cylinders_quarter_converge_to_the_closed_form() {
         let mesh = tube(cells);
         let surface = Surface::of_node_set(&mesh, &mesh.node_sets["YMIN"]);
         let motion = motion_of(&surface, &mesh.nodes, &everywhere()).expect("area");
-        assert!(
-            motion.centroid[0].abs() < 1e-5 * radius && (motion.centroid[2] - 0.05).abs() < 1e-5
-        );
-        [
-            (motion.area / (0.5 * PI * radius * length) - 1.0).abs(),
-            (motion.centroid[1] / height - 1.0).abs(),
-        ]
+        assert!(motion.centroid[0].abs() < 1e-5 * radius && (motion.centroid[2] - 0.05).abs() < 1e-5);
+        [(motion.area / (0.5 * PI * radius * length) - 1.0).abs(), (motion.centroid[1] / height - 1.0).abs()]
     });
     println!("{errors:?}");
     for c in 0..2 {
@@ -160,10 +150,7 @@ fn area_and_centroid_of_a_cylinders_quarter_converge_to_the_closed_form() {
         );
     }
     let flat = 2.0 * radius * (PI / 8.0).sin() / (0.25 * PI * radius);
-    assert!(
-        (flat - 1.0).abs() > 1e-2,
-        "control: two flat facets would miss the area by 2.6 %"
-    );
+    assert!((flat - 1.0).abs() > 1e-2, "control: two flat facets would miss the area by 2.6 %");
 }
 
 #[test]
@@ -172,55 +159,24 @@ fn a_face_counts_only_with_all_its_nodes_and_only_outside() {
     let all: Vec<usize> = (0..mesh.nodes.len()).collect();
     let skin = area(&Surface::of_node_set(mesh, &all).weights_within(&everywhere()));
     let whole = 2.0 * (SIZE[0] * SIZE[1] + SIZE[1] * SIZE[2] + SIZE[2] * SIZE[0]);
-    assert!(
-        (skin - whole).abs() < 1e-13,
-        "faces between two elements do not count: {skin} {whole}"
-    );
+    assert!((skin - whole).abs() < 1e-13, "faces between two elements do not count: {skin} {whole}");
     let midside = surface.faces[0].nodes[3];
-    let without: Vec<usize> = mesh.node_sets["YMAX"]
-        .iter()
-        .copied()
-        .filter(|n| *n != midside)
-        .collect();
+    let without: Vec<usize> = mesh.node_sets["YMAX"].iter().copied().filter(|n| *n != midside).collect();
     let fewer = Surface::of_node_set(mesh, &without).faces.len();
-    assert!(
-        fewer < surface.faces.len() && fewer + 2 >= surface.faces.len(),
-        "a midside node carries one or two faces"
-    );
+    assert!(fewer < surface.faces.len() && fewer + 2 >= surface.faces.len(), "a midside node carries one or two faces");
 }
 
 #[test]
 fn a_node_set_without_a_face_and_a_window_without_area_are_refused() {
     let mut mesh = block().0.clone();
     mesh.node_sets.insert("EDGE".into(), vec![0, 1, 2, 3]);
-    let refused =
-        |interface: Interface| interface_motions(&part("block", &[], vec![interface]), &mesh).err();
+    let refused = |interface: Interface| interface_motions(&part("block", &[], vec![interface]), &mesh).err();
     let edge = refused(on("EDGE"));
-    assert!(
-        matches!(&edge, Some(SolidError::NoSurface { interface, .. }) if interface == "EDGE"),
-        "{edge:?}"
-    );
-    let window = refused(Interface {
-        within: Some(slab(2, 3.0, 4.0)),
-        ..on("YMAX")
-    });
-    let Some(SolidError::NoSurface { reason, .. }) = &window else {
-        panic!("{window:?}")
-    };
-    assert!(
-        reason.contains("2.0000") && reason.contains("2.5000"),
-        "says what the set spans: {reason}"
-    );
-    assert!(matches!(
-        refused(on("NOWHERE")),
-        Some(SolidError::UnknownSet { .. })
-    ));
+    assert!(matches!(&edge, Some(SolidError::NoSurface { interface, .. }) if interface == "EDGE"), "{edge:?}");
+    let window = refused(Interface { within: Some(slab(2, 3.0, 4.0)), ..on("YMAX") });
+    let Some(SolidError::NoSurface { reason, .. }) = &window else { panic!("{window:?}") };
+    assert!(reason.contains("2.0000") && reason.contains("2.5000"), "says what the set spans: {reason}");
+    assert!(matches!(refused(on("NOWHERE")), Some(SolidError::UnknownSet { .. })));
     assert!(refused(on("YMAX")).is_none());
-    assert!(
-        refused(Interface {
-            within: Some(slab(2, 2.2, 2.3)),
-            ..on("YMAX")
-        })
-        .is_none()
-    );
+    assert!(refused(Interface { within: Some(slab(2, 2.2, 2.3)), ..on("YMAX") }).is_none());
 }

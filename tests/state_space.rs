@@ -153,7 +153,8 @@ fn rows_stand_in_the_order_that_was_asked_for() {
 fn shapes_are_those_of_the_papers_equations() {
     for (n, n_input) in [(30, 3), (4, 2), (1, 1)] {
         let modes = modes(n + 3, n_input, 0.02);
-        let system = state_space(&modes, StateSpaceOptions { modes: n, velocity: true, acceleration: true, residual: true });
+        let system =
+            state_space(&modes, StateSpaceOptions { modes: n, velocity: true, acceleration: true, residual: true });
         assert_eq!(system.a.shape(), (2 * n, 2 * n));
         assert_eq!(system.b.shape(), (2 * n, n_input));
         assert_eq!(system.c.shape(), (9, 2 * n));

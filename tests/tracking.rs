@@ -30,11 +30,7 @@ fn two(position: f64, coupling: f64, at: f64) -> Modes {
     let (c, s) = (angle.cos(), angle.sin());
     made(
         position,
-        vec![
-            (100.0 + split, vec![c, s, 0.0]),
-            (100.0 - split, vec![-s, c, 0.0]),
-            (150.0, vec![0.0, 0.0, 1.0]),
-        ],
+        vec![(100.0 + split, vec![c, s, 0.0]), (100.0 - split, vec![-s, c, 0.0]), (150.0, vec![0.0, 0.0, 1.0])],
     )
 }
 
@@ -44,15 +40,7 @@ fn tracked(coupling: f64, at: f64) -> ModeFamilies {
 }
 
 fn family(families: &ModeFamilies, name: usize) -> Vec<f64> {
-    families
-        .modes
-        .iter()
-        .map(|m| {
-            m.iter()
-                .find(|m| m.family == name)
-                .map_or(f64::NAN, |m| m.frequency)
-        })
-        .collect()
+    families.modes.iter().map(|m| m.iter().find(|m| m.family == name).map_or(f64::NAN, |m| m.frequency)).collect()
 }
 
 #[test]
@@ -60,27 +48,14 @@ fn families_that_cross_keep_their_shapes_labels() {
     let families = tracked(0.0, 0.1);
     assert!(families.veerings.is_empty(), "{:?}", families.veerings);
     let rising = family(&families, 1);
-    assert!(
-        rising.is_sorted() && (rising[0] - 68.0).abs() < 1e-9 && (rising[3] - 128.0).abs() < 1e-9,
-        "{rising:?}"
-    );
-    let ranks: Vec<usize> = families
-        .modes
-        .iter()
-        .map(|m| m.iter().find(|m| m.family == 1).map_or(0, |m| m.rank))
-        .collect();
+    assert!(rising.is_sorted() && (rising[0] - 68.0).abs() < 1e-9 && (rising[3] - 128.0).abs() < 1e-9, "{rising:?}");
+    let ranks: Vec<usize> =
+        families.modes.iter().map(|m| m.iter().find(|m| m.family == 1).map_or(0, |m| m.rank)).collect();
     assert_eq!(ranks, [1, 1, 2, 2]);
     // Control: families that repel each other over a width that the stations resolve keep their ranks.
     let apart = tracked(30.0, 0.1);
     assert!(apart.veerings.is_empty());
-    assert!(
-        apart
-            .modes
-            .iter()
-            .all(|m| m.iter().all(|m| m.family == m.rank)),
-        "{:?}",
-        apart.modes
-    );
+    assert!(apart.modes.iter().all(|m| m.iter().all(|m| m.family == m.rank)), "{:?}", apart.modes);
 }
 
 #[test]
@@ -91,19 +66,12 @@ fn a_veering_narrower_than_the_finest_spacing_is_reported_with_its_pair() {
     for veering in &families.veerings {
         assert_eq!(veering.families, [1, 2]);
         assert!(veering.mac > 0.4 && veering.mac < 0.9, "{veering:?}");
-        assert!(
-            (veering.from - 0.5).abs() < 0.016 && (veering.to - 0.5).abs() < 0.016,
-            "{veering:?}"
-        );
+        assert!((veering.from - 0.5).abs() < 0.016 && (veering.to - 0.5).abs() < 0.016, "{veering:?}");
     }
-    assert!(
-        tracked(2.0, 0.501).veerings.is_empty(),
-        "control: a veering of 0.1 m is followed step by step"
-    );
+    assert!(tracked(2.0, 0.501).veerings.is_empty(), "control: a veering of 0.1 m is followed step by step");
 }
 
 #[test]
-#[ignore = "merge extends a line by the next interval and then no longer recognises the pair's second entry of that interval"]
 fn a_veering_over_two_of_the_finest_intervals_is_one_line() {
     let veerings = tracked(20.0 / 640.0, 0.501).veerings;
     assert_eq!(veerings.len(), 1, "{veerings:?}");
@@ -118,9 +86,7 @@ fn the_mode_table_gives_range_place_and_interior_extrema() {
             (0.0, vec![0.0, 0.0, 1.0]),
         ]
     };
-    let stations: Vec<Modes> = [0.0, 0.25, 0.5, 0.75, 1.0]
-        .map(|p| made(p, frequencies(p)))
-        .into();
+    let stations: Vec<Modes> = [0.0, 0.25, 0.5, 0.75, 1.0].map(|p| made(p, frequencies(p))).into();
     let families = track(&stations, 3, &|p| Ok(made(p, frequencies(p)))).expect("tracks");
     let table = mode_table(&families);
     assert_eq!(table.len(), 3);
@@ -135,18 +101,8 @@ fn the_mode_table_gives_range_place_and_interior_extrema() {
             && (straight.max - 60.0).abs() < 1e-9
             && (straight.difference_percent - 20.0).abs() < 1e-7
     );
-    assert_eq!(
-        (
-            straight.position_of_min,
-            straight.position_of_max,
-            straight.interior_extremum
-        ),
-        (0.0, 1.0, false)
-    );
+    assert_eq!((straight.position_of_min, straight.position_of_max, straight.interior_extremum), (0.0, 1.0, false));
     let bowed = table[2];
-    assert!(
-        (bowed.min - 78.0).abs() < 1e-9 && bowed.position_of_min == 0.5 && bowed.interior_extremum,
-        "{bowed:?}"
-    );
+    assert!((bowed.min - 78.0).abs() < 1e-9 && bowed.position_of_min == 0.5 && bowed.interior_extremum, "{bowed:?}");
     assert!(mode_table(&ModeFamilies::default()).is_empty());
 }

@@ -56,6 +56,15 @@ pub(super) struct FixedBasis {
     pub eigenvalues: DVector<f64>,
 }
 
+/// A part's strain energy in the residual response to spring forces.
+#[derive(Clone, Debug)]
+pub struct ResidualEnergy {
+    /// Between basis coordinates and forces, n x n_springs.
+    pub with_basis: DMatrix<f64>,
+    /// Between forces, n_springs x n_springs, m/N.
+    pub between_forces: DMatrix<f64>,
+}
+
 impl FixedBasis {
     /// Forms the basis of a machine.
     pub fn new(machine: &SideBySide, options: BasisOptions) -> Result<Self, CouplingError> {
@@ -133,15 +142,8 @@ impl FixedBasis {
     }
 
     /// Static flexibility of rows that the basis leaves out: R_h (Lambda_h^-1 - U (U^T Lambda_h U)^-1 U^T) R_h^T.
-    ///
-    /// `part` restricts it to the coordinates for which it says so.
-    pub fn residual_flexibility(&self, rows: &DMatrix<f64>, part: impl Fn(usize) -> bool) -> DMatrix<f64> {
+    pub fn residual_flexibility(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let mut high = self.high_of(rows);
-        for (mut column, &i) in high.column_iter_mut().zip(&self.high) {
-            if !part(i) {
-                column.fill(0.0);
-            }
-        }
         let mut kept = multiply(&high, &self.directions);
         for (mut column, l) in kept.column_iter_mut().zip(self.eigenvalues.iter().skip(self.low.len())) {
             column /= l.sqrt();
@@ -150,6 +152,33 @@ impl FixedBasis {
             column /= l.sqrt();
         }
         multiply(&high, &high.transpose()) - multiply(&kept, &kept.transpose())
+    }
+
+    /// Strain energy of one part in the residual response to forces on rows.
+    ///
+    /// With X = (Lambda_h^-1 - U (U^T Lambda_h U)^-1 U^T) R_h^T and Lambda_p the part's share of
+    /// Lambda_h: U^T Lambda_p X between the basis and the forces, and X^T Lambda_p X between forces.
+    /// Over all parts the first adds up to zero and the second to the residual flexibility.
+    pub fn residual_energy(&self, rows: &DMatrix<f64>, part: impl Fn(usize) -> bool) -> ResidualEnergy {
+        let high = self.high_of(rows);
+        let mut kept = multiply(&high, &self.directions);
+        for (mut column, l) in kept.column_iter_mut().zip(self.eigenvalues.iter().skip(self.low.len())) {
+            column /= *l;
+        }
+        let mut response = high.transpose();
+        for (mut row, l) in response.row_iter_mut().zip(&self.high_eigenvalues) {
+            row /= *l;
+        }
+        response -= multiply(&self.directions, &kept.transpose());
+        let mut weighted = response.clone();
+        for (k, (mut row, l)) in weighted.row_iter_mut().zip(&self.high_eigenvalues).enumerate() {
+            row *= if part(self.high[k]) { *l } else { 0.0 };
+        }
+        let mut with_basis = DMatrix::zeros(self.n(), rows.nrows());
+        with_basis
+            .rows_mut(self.low.len(), self.directions.ncols())
+            .copy_from(&multiply_transposed(&self.directions, &weighted));
+        ResidualEnergy { with_basis, between_forces: multiply_transposed(&response, &weighted) }
     }
 
     /// The basis as a matrix over the side-by-side coordinates, n_side_by_side x n.

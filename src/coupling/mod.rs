@@ -19,7 +19,7 @@ mod model;
 mod side_by_side;
 mod training;
 
-pub use basis::BasisOptions;
+pub use basis::{BasisOptions, ResidualEnergy};
 pub(crate) use joint::overhang;
 pub use joint::{CoupledJoint, CoupledSpring};
 pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};

@@ -10,7 +10,7 @@
 //! ```
 
 use super::CouplingError;
-use super::basis::{BasisOptions, FixedBasis};
+use super::basis::{BasisOptions, FixedBasis, ResidualEnergy};
 use super::joint::CoupledJoint;
 use super::side_by_side::{PortRow, SideBySide};
 use crate::linalg::{multiply, multiply_transposed};
@@ -62,8 +62,8 @@ pub struct AtPosition {
     pub inputs: DMatrix<f64>,
     /// Residual flexibility between springs, then outputs, then inputs, m/N.
     pub residual: DMatrix<f64>,
-    /// The parts' shares in the residual flexibility of the springs, for parts with a loss factor.
-    pub residual_of_part: Vec<Option<DMatrix<f64>>>,
+    /// The parts' strain energy in the residual response to the springs, for parts with a loss factor.
+    pub residual_of_part: Vec<Option<ResidualEnergy>>,
 }
 
 /// The machine at one position with given joint stiffnesses.
@@ -181,13 +181,13 @@ impl CoupledModel {
             rows.row_mut(s + k).copy_from(&port.row);
         }
         let projected = self.basis.project(&rows);
-        let residual = self.basis.residual_flexibility(&rows, |_| true);
+        let residual = self.basis.residual_flexibility(&rows);
         let spring_rows = rows.rows(0, s).into_owned();
         let residual_of_part = self.parts.iter().enumerate().map(|(p, part)| {
             part.loss_factor?;
             let first = machine.first_column[p];
             let own = first..first + part.basis.nrows();
-            Some(self.basis.residual_flexibility(&spring_rows, |i| own.contains(&i)))
+            Some(self.basis.residual_energy(&spring_rows, |i| own.contains(&i)))
         });
         Ok(AtPosition {
             position,

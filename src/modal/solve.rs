@@ -174,7 +174,8 @@ fn modal_damping(
     for (part, residual) in model.parts.iter().zip(&at.residual_of_part) {
         let (Some(eta), Some(k), Some(c)) = (part.loss_factor, &part.stiffness, residual) else { continue };
         let forces = multiply(&coupled.forces, shapes);
-        let (strain, in_series) = (multiply(k, shapes), multiply(c, &forces));
+        let strain = multiply(k, shapes) - 2.0 * multiply(&c.with_basis, &forces);
+        let in_series = multiply(&c.between_forces, &forces);
         for r in free..n {
             let energy = shapes.column(r).dot(&strain.column(r)) + forces.column(r).dot(&in_series.column(r));
             losses[r] += eta * energy / eigenvalues[r];

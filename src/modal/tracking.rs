@@ -139,13 +139,14 @@ fn merge(mut veerings: Vec<Veering>) -> Vec<Veering> {
     }
     let mut out: Vec<Veering> = Vec::new();
     for v in veerings {
-        match out
-            .iter_mut()
-            .find(|o| o.families == v.families && (o.to - v.from).abs().min((o.from - v.from).abs()) < 1e-12)
-        {
+        let (low, high) = (v.from.min(v.to), v.from.max(v.to));
+        let touches = |o: &Veering| o.from.min(o.to) <= high + 1e-12 && low <= o.from.max(o.to) + 1e-12;
+        match out.iter_mut().find(|o| o.families == v.families && touches(o)) {
             Some(seen) => {
                 seen.mac = seen.mac.min(v.mac);
-                seen.to = v.to;
+                // The travel may run either way: the line goes on from where it began.
+                let ahead = (v.to - seen.from).abs() > (seen.to - seen.from).abs();
+                seen.to = if ahead { v.to } else { seen.to };
             }
             None => out.push(v),
         }

@@ -43,13 +43,17 @@ impl<'a> Constrained<'a> {
         let compliance = multiply_transposed(&motions, &responses);
         let touched: Vec<usize> = (0..motions.nrows()).filter(|&i| motions.row(i).iter().any(|v| *v != 0.0)).collect();
         let touched_motions = motions.select_rows(&touched);
+        if motions.ncols() < flexibility.rigid.ncols() {
+            let free = flexibility.rigid.ncols() - motions.ncols();
+            return Err(ReductionError::NotHeld { part: part.to_string(), free });
+        }
         let hold = multiply_transposed(&motions, &flexibility.rigid);
         let (k, r) = hold.shape();
         let mut matrix = DMatrix::zeros(k + r, k + r);
         matrix.view_mut((0, 0), (k, k)).copy_from(&compliance);
         if r > 0 {
             let singular = hold.clone().svd(false, false).singular_values;
-            let free = if k < r { r - k } else { singular.iter().filter(|s| **s < 1e-8 * singular.max()).count() };
+            let free = singular.iter().filter(|s| **s < 1e-8 * singular.max()).count();
             if free > 0 {
                 return Err(ReductionError::NotHeld { part: part.to_string(), free });
             }

@@ -139,9 +139,7 @@ pub fn worst_ratio(a: &[f64], b: &[f64]) -> f64 {
 pub fn post_and_arm() -> (Vec<Part>, Vec<Mesh>) {
     let post = box_mesh([0.0; 3], [0.08, 0.1, 0.4], [2, 2, 4]);
     let arm = box_mesh([0.1, 0.0, 0.3], [0.3, 0.1, 0.1], [4, 1, 1]);
-    let parts = vec![
-        part("post", &["ZMIN"], vec![on("XMAX"), on("ZMAX")]),
-        part("arm", &[], vec![on("XMIN"), on("XMAX")]),
-    ];
+    let parts =
+        vec![part("post", &["ZMIN"], vec![on("XMAX"), on("ZMAX")]), part("arm", &[], vec![on("XMIN"), on("XMAX")])];
     (parts, vec![post, arm])
 }

@@ -14,12 +14,7 @@ pub fn straight(corners: [[f64; 3]; 4]) -> [[f64; 3]; 10] {
 
 /// A skewed one with straight sides, m.
 pub fn skewed() -> [[f64; 3]; 10] {
-    straight([
-        [0.1, -0.2, 0.05],
-        [1.3, 0.1, 0.2],
-        [0.2, 0.9, -0.1],
-        [0.3, 0.2, 1.4],
-    ])
+    straight([[0.1, -0.2, 0.05], [1.3, 0.1, 0.2], [0.2, 0.9, -0.1], [0.3, 0.2, 1.4]])
 }
 
 /// The same with curved sides.
