@@ -60,19 +60,11 @@ fn an_interrupted_run_leaves_nothing_half_written_and_the_next_one_succeeds() {
     assert!(!record["warnings"].to_string().contains("damaged"), "{}", record["warnings"]);
 }
 
-/// The warm cache copied, and its smallest superelement: the quickest to make again.
-fn copied_cache() -> (TempDir, PathBuf) {
-    let cache = tempfile::tempdir().unwrap();
-    for file in superelements(warm_cache()) {
-        std::fs::copy(&file, cache.path().join(file.file_name().unwrap())).unwrap();
-    }
-    let size = |file: &PathBuf| std::fs::metadata(file).unwrap().len();
-    let smallest = superelements(cache.path()).into_iter().min_by_key(size).unwrap();
-    (cache, smallest)
-}
-
 fn assert_rebuilt(damage: impl FnOnce(Vec<u8>) -> Vec<u8>) {
-    let (cache, file) = copied_cache();
+    let cache = copied_cache();
+    // The smallest is the quickest to make again.
+    let size = |file: &PathBuf| std::fs::metadata(file).unwrap().len();
+    let file = superelements(cache.path()).into_iter().min_by_key(size).unwrap();
     let whole = std::fs::read(&file).unwrap();
     std::fs::write(&file, damage(whole.clone())).unwrap();
     let (sound, mended) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());

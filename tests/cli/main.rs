@@ -38,6 +38,15 @@ fn warm_cache() -> &'static Path {
     })
 }
 
+/// A copy of the warm cache to be changed.
+fn copied_cache() -> TempDir {
+    let cache = tempfile::tempdir().unwrap();
+    for file in superelements(warm_cache()) {
+        std::fs::copy(&file, cache.path().join(file.file_name().unwrap())).unwrap();
+    }
+    cache
+}
+
 /// `stiffmap run` of the bundled mill into a folder.
 fn run_into(cache: &Path, out: &Path, arguments: &[&str]) -> Output {
     let mut command = stiffmap(cache);
