@@ -29,7 +29,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::from(cli::Exit::Done as u8),
         Err(error) => {
             let code = cli::exit_code(&error, &interrupt);
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", cli::describe(&error));
             ExitCode::from(code as u8)
         }
     }

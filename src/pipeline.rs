@@ -73,6 +73,7 @@ pub fn reduce_parts(
         Ok(interface_motions(part, &file.mesh)?.iter().map(|(_, motion)| motion.centroid).collect())
     });
     let centroids = centroids.collect::<Result<Vec<Vec<[f64; 3]>>, SolidError>>()?;
+    check_travel(machine, meshes, &centroids)?;
     let requests = reduction_requests(machine, &centroids);
     // The largest part first, so that it does not run alone at the end.
     let mut order: Vec<usize> = (0..requests.len()).collect();

@@ -25,6 +25,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     writeln!(out, "{}\n", machine.name)?;
     writeln!(out, "part              nodes  elements  unknowns    mass kg  interfaces")?;
     let mut centroids = Vec::new();
+    let mut unknowns = 0;
     for (part, file) in machine.parts.iter().zip(&meshes) {
         let system = assemble(part, &file.mesh).map_err(pipeline::PipelineError::from)?;
         writeln!(
@@ -41,12 +42,15 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         for warning in &file.warnings {
             writeln!(out, "  line {}: {}", warning.line, warning.text)?;
         }
+        unknowns += system.n_dof();
         centroids.push(system.interfaces.iter().map(|i| i.centroid).collect::<Vec<_>>());
     }
-    let unknowns: usize = meshes.iter().map(|m| 3 * m.mesh.nodes.len()).sum();
     let requests = reduction_requests(&machine, &centroids);
     let coordinates: usize = requests.iter().map(stiffmap::reduction::ReductionRequest::most_coordinates).sum();
-    writeln!(out, "displacements before: {unknowns}; coordinates after the reduction: at most {coordinates}\n")?;
+    writeln!(
+        out,
+        "unknowns before the reduction: {unknowns}; coordinates after the reduction: at most {coordinates}\n"
+    )?;
     describe_joints(&mut out, &machine, &centroids)?;
     describe_axis(&mut out, &machine)?;
     let warnings = pipeline::check_travel(&machine, &meshes, &centroids)?;

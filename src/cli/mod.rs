@@ -91,6 +91,19 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
 }
 
+/// An error with its causes, each said once.
+pub fn describe(error: &anyhow::Error) -> String {
+    error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
+        if said.is_empty() {
+            cause
+        } else if said.contains(&cause) {
+            said
+        } else {
+            format!("{said}: {cause}")
+        }
+    })
+}
+
 /// The machine file that a command means: the one named, or the bundled mill in a folder of its own.
 fn machine_path(named: Option<&Path>) -> Result<(PathBuf, Option<tempfile::TempDir>)> {
     if let Some(path) = named {
