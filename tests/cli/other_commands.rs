@@ -27,7 +27,7 @@ fn check_prints_parts_joints_axis_and_ports() {
         "121 stations",
         "moves headstock, spindle, drive",
         "port tool: spindle.nose, x, y, z",
-        "displacements before: 91896",
+        "unknowns before the reduction: 90534",
         "coordinates after",
     ] {
         assert!(said.contains(words), "{words:?} is missing in: {said}");
