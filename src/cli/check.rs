@@ -26,6 +26,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     writeln!(out, "part              nodes  elements  unknowns    mass kg  interfaces")?;
     let mut centroids = Vec::new();
     let mut unknowns = 0;
+    let mut surfaces = Vec::new();
     for (part, file) in machine.parts.iter().zip(&meshes) {
         let system = assemble(part, &file.mesh).map_err(pipeline::PipelineError::from)?;
         writeln!(
@@ -43,10 +44,11 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             writeln!(out, "  line {}: {}", warning.line, warning.text)?;
         }
         unknowns += system.n_dof();
+        surfaces.push(system.surfaces.clone());
         centroids.push(system.interfaces.iter().map(|i| i.centroid).collect::<Vec<_>>());
     }
     let requests = reduction_requests(&machine, &centroids);
-    let coordinates: usize = requests.iter().map(stiffmap::reduction::ReductionRequest::most_coordinates).sum();
+    let coordinates: usize = requests.iter().zip(&surfaces).map(|(r, s)| r.most_coordinates(s)).sum();
     writeln!(
         out,
         "unknowns before the reduction: {unknowns}; coordinates after the reduction: at most {coordinates}\n"
@@ -72,7 +74,9 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
             .springs
             .iter()
             .map(|s| match (s.stiffness, s.motion) {
-                (SpringStiffness::Constant(k), Motion::Translation) => format!("{} {:.4} N/um", s.label, k * 1e-6),
+                (SpringStiffness::Constant(k), Motion::Translation) => {
+                    format!("{} {} N/um", s.label, (k * 1e-2).round() * 1e-4)
+                }
                 (SpringStiffness::Constant(k), Motion::Rotation) => format!("{} {k:.4e} N m/rad", s.label),
                 (SpringStiffness::BallScrew { young, diameter }, _) => {
                     let length = |p: f64| pipeline::screw_length(machine, joint, centroids, p);
