@@ -1,8 +1,8 @@
 //! Craig-Bampton: constraint modes, fixed-interface modes and, if asked, the response to the inertia
 //! of the constraint modes with the interfaces held.
 
+use super::component_modes::ComponentModes;
 use super::constraint::Constrained;
-use super::superelement::ComponentModes;
 use super::{ReductionError, flexibility::Flexibility};
 use crate::linalg::{
     Indefinite, LanczosOptions, LinalgError, Ordering, count_negative, lowest_modes, multiply_transposed,

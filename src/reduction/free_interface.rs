@@ -1,6 +1,6 @@
 //! Free interface: free modes, attachment modes and, if asked, the response to their inertia.
 
-use super::superelement::ComponentModes;
+use super::component_modes::ComponentModes;
 use super::{ReductionError, flexibility::Flexibility};
 use crate::linalg::{Indefinite, LanczosOptions, LinalgError, Ordering, lowest_modes};
 use crate::solid::SecondOrder;

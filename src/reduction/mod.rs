@@ -18,6 +18,7 @@
 
 mod basis;
 mod cache;
+mod component_modes;
 mod constraint;
 mod craig_bampton;
 mod flexibility;

@@ -1,15 +1,15 @@
 //! The superelement: what is left of a part.
 
 use super::basis::rayleigh_ritz;
+use super::component_modes::ComponentModes;
 use super::flexibility::Flexibility;
 use super::{ReductionError, craig_bampton, free_interface};
 use crate::interrupt::Interrupt;
-use crate::linalg::{LinalgError, Spectrum, multiply, multiply_transposed};
+use crate::linalg::{LinalgError, multiply, multiply_transposed};
 use crate::machine::{ComponentAnalysis, Part, ReductionMethod};
 use crate::mesh::Mesh;
 use crate::solid::{InterfaceMotion, SecondOrder, Surface, assemble};
 use nalgebra::{DMatrix, Matrix3};
-use std::f64::consts::TAU;
 
 /// What to reduce and which interfaces move along it.
 #[derive(Clone, Debug)]
@@ -286,52 +286,5 @@ impl RailSpring {
         }
         let arm = [0, 1, 2].map(|c| self.point[c] + travel[c] * centre - centroid[c]);
         crate::solid::rotation_arm(self.direction, arm)
-    }
-}
-
-/// How many component modes are wanted.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ComponentModes<'a> {
-    pub modes: usize,
-    pub band: f64,
-    pub second_moment: bool,
-    pub interrupt: Option<&'a Interrupt>,
-}
-
-impl ComponentModes<'_> {
-    /// A few modes more than wanted, so that the inertia count finds a gap to stand in.
-    pub fn with_guard(self) -> usize {
-        self.modes + 4
-    }
-
-    /// Compares the modes found below a shift in the widest gap past the wanted ones with the inertia.
-    pub fn check_count(
-        self,
-        spectrum: &Spectrum,
-        count_below: impl Fn(f64) -> Result<usize, LinalgError>,
-    ) -> Result<(), LinalgError> {
-        let values = &spectrum.eigenvalues;
-        let last = values.len().saturating_sub(1);
-        let first = self.modes.min(last).saturating_sub(1);
-        let Some(below) =
-            (first..last).max_by(|&a, &b| (values[a + 1] / values[a]).total_cmp(&(values[b + 1] / values[b])))
-        else {
-            return Ok(());
-        };
-        let shift = 0.5 * (values[below] + values[below + 1]);
-        let (found, counted) = (below + 1, count_below(shift)?);
-        if found == counted {
-            return Ok(());
-        }
-        Err(LinalgError::ModesMissed { found, counted, frequency_hz: shift.sqrt() / TAU })
-    }
-
-    /// Frequencies (Hz) and shapes of the modes kept: the lowest, at most as many as asked for and
-    /// none above the band.
-    pub fn keep(self, spectrum: &Spectrum) -> (Vec<f64>, DMatrix<f64>) {
-        let frequencies = spectrum.eigenvalues.iter().map(|l| l.sqrt() / TAU);
-        let kept: Vec<f64> = frequencies.take(self.modes).take_while(|f| *f <= self.band).collect();
-        let shapes = spectrum.shapes.columns(0, kept.len()).into_owned();
-        (kept, shapes)
     }
 }
