@@ -194,12 +194,9 @@ pub fn cache_warnings(parts: &[Cached]) -> Vec<String> {
 pub fn screw_length(machine: &Machine, joint: &Joint, centroids: &[Vec<[f64; 3]>], position: f64) -> f64 {
     let axis = &machine.axis;
     let direction = joint.springs.first().map_or(axis.direction, |s| s.direction);
-    let drawn = |side: usize| centroids[joint.between[side].part][joint.between[side].interface];
-    let moved = |side: usize| f64::from(axis.moves[joint.between[side].part]) * position;
-    let along = |x: [f64; 3]| (0..3).map(|c| x[c] * direction[c]).sum::<f64>();
-    let travel = (0..3).map(|c| axis.direction[c] * direction[c]).sum::<f64>();
-    let apart = along(drawn(0)) - along(drawn(1));
-    (apart + travel * (moved(0) - moved(1))) * apart.signum()
+    let drawn = joint.between.map(|side| centroids[side.part][side.interface]);
+    let moves = joint.between.map(|side| axis.moves[side.part]);
+    crate::coupling::free_length(drawn, moves, position, axis, direction)
 }
 
 /// Checks every station of the travel from the meshes alone: footprints on their rails, screws of

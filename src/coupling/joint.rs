@@ -108,14 +108,9 @@ impl CoupledJoint {
         })
     }
 
-    /// Free length of a ball screw along a direction: the distance between the two sides' centroids, m.
+    /// Free length of a ball screw along a direction, m; see [`free_length`].
     pub fn length(&self, position: f64, axis: &Axis, direction: [f64; 3]) -> f64 {
-        let at = |side: usize| {
-            let moved = f64::from(self.sides[side].moves) * position;
-            (0..3).map(|c| (self.centroids[side][c] + moved * axis.direction[c]) * direction[c]).sum::<f64>()
-        };
-        let drawn = (0..3).map(|c| (self.centroids[0][c] - self.centroids[1][c]) * direction[c]).sum::<f64>();
-        (at(0) - at(1)) * drawn.signum()
+        free_length(self.centroids, self.sides.each_ref().map(|side| side.moves), position, axis, direction)
     }
 
     /// Stiffness of each spring, N/m or N m/rad; a ball screw's is E pi D^2 / (4 L).
@@ -172,4 +167,19 @@ pub(crate) fn overhang(
             100.0 * share
         )
     }))
+}
+
+/// Distance along a direction between two points that are drawn at position 0 and of which each may
+/// travel with the axis, m; negative once they have passed each other.
+pub(crate) fn free_length(
+    drawn: [[f64; 3]; 2],
+    moves: [bool; 2],
+    position: f64,
+    axis: &Axis,
+    direction: [f64; 3],
+) -> f64 {
+    let along = |x: [f64; 3]| (0..3).map(|c| x[c] * direction[c]).sum::<f64>();
+    let apart = along(drawn[0]) - along(drawn[1]);
+    let travelled = along(axis.direction) * position * (f64::from(moves[0]) - f64::from(moves[1]));
+    (apart + travelled) * apart.signum()
 }

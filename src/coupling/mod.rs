@@ -20,8 +20,8 @@ mod side_by_side;
 mod training;
 
 pub use basis::{BasisOptions, ResidualEnergy};
-pub(crate) use joint::overhang;
 pub use joint::{CoupledJoint, CoupledSpring};
+pub(crate) use joint::{free_length, overhang};
 pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};
 pub use side_by_side::{PortRow, SideBySide};
 pub use training::reduction_requests;
