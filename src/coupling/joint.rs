@@ -108,7 +108,7 @@ impl CoupledJoint {
         })
     }
 
-    /// Free length of a ball screw along a direction, m; see [`free_length`].
+    /// Free length of a ball screw along a direction, m, as the whole model uses it.
     pub fn length(&self, position: f64, axis: &Axis, direction: [f64; 3]) -> f64 {
         free_length(self.centroids, self.sides.each_ref().map(|side| side.moves), position, axis, direction)
     }
