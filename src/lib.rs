@@ -13,7 +13,7 @@
 //!   modal          -> Modes              frequencies, damping, shapes at the ports; counted, tracked into families
 //!   state_space    -> StateSpace         A, B, C, D
 //!   frf | gpu      -> ComplianceMap      [position, frequency, output, input]
-//!   export, figures -> files
+//!   sweep          -> metrics of many designs;  export, figures -> files
 //! ```
 //!
 //! Each arrow is a plain function from one named struct to the next; [`pipeline`] strings them
@@ -38,6 +38,8 @@ pub mod state_space;
 
 pub mod frf;
 pub mod gpu;
+
+pub mod sweep;
 
 pub mod export;
 pub mod figures;
