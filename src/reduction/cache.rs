@@ -5,6 +5,7 @@
 //! does not match its own hash is reported and rebuilt, never trusted. Files are written aside and
 //! renamed.
 
+use super::skin::ReducedSkin;
 use super::superelement::{ReducedInterface, ReducedRail};
 use super::{ReductionError, ReductionRequest, Superelement, reduce};
 use crate::interrupt::Interrupt;
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 16] = b"stiffmap-reduced";
 /// Raised whenever the layout or the numbers of a superelement change.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 const HEADER: usize = 16 + 8 + 8 + 32;
 
 /// Why the cache could not serve.
@@ -221,6 +222,11 @@ impl Writer {
             }
             self.matrix(&rail.basis);
         }
+        self.count(s.skin.nodes.len());
+        s.skin.nodes.iter().for_each(|x| self.numbers(x));
+        self.count(s.skin.triangles.len());
+        s.skin.triangles.iter().flatten().for_each(|&n| self.count(n));
+        self.matrix(&s.skin.basis);
         self.matrix(&s.impulses);
         self.numbers(&s.centre_of_mass);
         self.numbers(&[s.mass]);
@@ -290,6 +296,11 @@ impl Reader<'_> {
                     basis: r.matrix()?,
                 })
             })?,
+            skin: ReducedSkin {
+                nodes: self.repeat(Self::point)?,
+                triangles: self.repeat(|r| Some([r.count()?, r.count()?, r.count()?]))?,
+                basis: self.matrix()?,
+            },
             impulses: self.matrix()?,
             centre_of_mass: self.point()?,
             mass: self.number()?,

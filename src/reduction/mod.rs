@@ -23,9 +23,11 @@ mod constraint;
 mod craig_bampton;
 mod flexibility;
 mod free_interface;
+mod skin;
 mod superelement;
 
 pub use cache::{Cache, CacheError, Cached};
+pub use skin::{MOST_SKIN_NODES, ReducedSkin, Skin, skin};
 pub use superelement::{
     LEAST_SHARE, RailSpring, RailTraining, ReducedInterface, ReducedRail, ReductionRequest, Superelement, reduce,
 };

@@ -3,6 +3,7 @@
 use super::basis::rayleigh_ritz;
 use super::component_modes::ComponentModes;
 use super::flexibility::Flexibility;
+use super::skin::{ReducedSkin, reduced_skin};
 use super::{ReductionError, craig_bampton, free_interface};
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, multiply, multiply_transposed};
@@ -63,6 +64,8 @@ pub struct Superelement {
     pub interfaces: Vec<ReducedInterface>,
     /// Rails.
     pub rails: Vec<ReducedRail>,
+    /// The thinned outer surface, to be looked at.
+    pub skin: ReducedSkin,
     /// R^T M V: impulses (translations and rotations about the centre of mass) of the reduced
     /// coordinates, 6 x n; for naming free motions.
     pub impulses: DMatrix<f64>,
@@ -218,6 +221,7 @@ pub fn reduce(
         eigenvalues,
         interfaces,
         rails,
+        skin: reduced_skin(&system, mesh, &vectors),
         impulses,
         centre_of_mass: system.centre_of_mass,
         mass: system.total_mass,
