@@ -13,9 +13,11 @@
 //! | `state_space.mat` | [`StateSpace`](crate::state_space::StateSpace) | [`mat::write_state_space`] |
 //! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`] |
 //! | `surface_<out><in>.vts` | one response of a map | [`vts::write_surface`] |
+//! | `mode_shapes_<axis>_<mm>_mm.vtu` | shapes at a position | [`vtu::write_mode_shapes`] |
 //! | `manifest.json` | [`manifest::Manifest`] | [`manifest::Manifest::write`] |
 
 pub mod atomic;
+pub(crate) mod base64;
 mod digits;
 pub mod eigenfrequencies;
 pub mod manifest;
@@ -24,6 +26,7 @@ pub mod mat5;
 pub mod response;
 pub mod surface;
 pub mod vts;
+pub mod vtu;
 
 use std::path::{Path, PathBuf};
 
