@@ -54,7 +54,12 @@ fn draw(
     let files = draw_all(&input, folder.path())?;
     assert_eq!(files.len(), std::fs::read_dir(folder.path()).unwrap().count(), "nothing else left");
     let name = |p: &Path| p.file_name().unwrap().to_str().unwrap().to_owned();
-    Ok(files.iter().map(|p| (name(p), Picture::open(p))).collect())
+    let (png, svg): (Vec<_>, Vec<_>) = files.iter().partition(|p| p.extension().is_some_and(|e| e == "png"));
+    assert_eq!(
+        png.iter().map(|p| p.with_extension("svg")).collect::<Vec<_>>(),
+        svg.into_iter().cloned().collect::<Vec<_>>()
+    );
+    Ok(png.into_iter().map(|p| (name(p), Picture::open(p))).collect())
 }
 
 #[test]
@@ -189,4 +194,59 @@ fn numbers_that_are_not_finite_are_refused_with_their_place() {
     bad.values.pop();
     let error = draw(&families, &bad, HeightScale::Linear).err().unwrap().to_string();
     assert!(error.contains("the map has 539 entries, expected 540"), "{error}");
+}
+
+#[test]
+fn the_svg_holds_the_same_strokes_and_the_words_as_outlines() {
+    let (families, map) = sample::mill(9, 120);
+    let folder = tempfile::tempdir().unwrap();
+    let input =
+        FigureInput { machine: "a & b", axis: "z", families: &families, map: &map, height: HeightScale::Linear };
+    let files = draw_all(&input, folder.path()).unwrap();
+    assert_eq!(files.len(), 14);
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let lines = read("eigenfrequencies.svg");
+    assert!(lines.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"160mm\""));
+    assert!(lines.contains("aria-label=\"a &amp; b: eigenfrequencies over position\""), "the heading, escaped");
+    assert!(!lines.contains("<image") && !lines.contains("<text"), "lines alone, and no font is asked for");
+    // Each of the thirty drawn families is one line through the nine positions.
+    let through = |points: usize| {
+        let counts =
+            lines.split("<polyline points=\"").skip(1).map(|p| p.split('"').next().unwrap().split(' ').count());
+        counts.filter(|n| *n == points).count()
+    };
+    assert_eq!((through(9), through(8)), (30, 0));
+    for name in ["frf_xx_amplitude.svg", "frf_xx_frequency.svg"] {
+        assert!(read(name).contains("href=\"data:image/png;base64,iVBOR"), "{name}: the surface is an image");
+    }
+}
+
+#[test]
+fn the_answer_to_a_push_obeys_the_equation_of_motion() {
+    use nalgebra::DMatrix;
+    use stiffmap::figures::{PULSE, pulse_response};
+    use stiffmap::frf::ModalSystem;
+    let (f, zeta) = (120.0, 0.03);
+    let system = ModalSystem {
+        frequencies: vec![f],
+        damping_ratios: vec![zeta],
+        loss_factors: vec![0.0],
+        outputs: DMatrix::from_row_slice(1, 1, &[0.2]),
+        inputs: DMatrix::from_row_slice(2, 1, &[0.2, 0.1]),
+        residual: Vec::new(),
+    };
+    let step = 1e-6;
+    let times: Vec<f64> = (0..20_000).map(|k| k as f64 * step).collect();
+    let u = &pulse_response(&system, &times)[0];
+    let omega = std::f64::consts::TAU * f;
+    let rest = |k: usize, force: f64| {
+        let velocity = (u[k + 1] - u[k - 1]) / (2.0 * step);
+        let acceleration = (u[k + 1] - 2.0 * u[k] + u[k - 1]) / (step * step);
+        (acceleration + 2.0 * zeta * omega * velocity + omega * omega * u[k] - 0.2 * 0.3 * force).abs() / (0.2 * 0.3)
+    };
+    let pushed = |k: usize| f64::from(u8::from(times[k] < PULSE));
+    let away = |k: &usize| (times[*k] - PULSE).abs() > 2.0 * step;
+    let worst = (2..19_999).filter(away).map(|k| rest(k, pushed(k))).fold(0.0, f64::max);
+    assert!(worst < 1e-3, "{worst:.1e}");
+    assert!(rest(500, 0.0) > 0.9, "control: without the force");
 }

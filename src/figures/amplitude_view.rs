@@ -37,7 +37,7 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field, height: HeightScale
         [(120.0, 100.0), (WIDTH as f64 - room - 90.0, HEIGHT as f64 - 110.0)],
     );
 
-    let mut large = Canvas::new(2 * WIDTH, 2 * HEIGHT);
+    let mut large = Canvas::of_pixels(2 * WIDTH, 2 * HEIGHT);
     view.walls(&mut large);
     surface(&mut large, &view, field, &colours);
     view.edges(&mut large);

@@ -1,6 +1,8 @@
-//! A picture in memory: anti-aliased lines, triangles, PNG.
+//! A picture in memory: anti-aliased lines, triangles, PNG; and the same strokes as SVG.
 
 use super::FigureError;
+use super::vector::Vector;
+use std::ops::Range;
 use std::path::Path;
 
 /// Red, green, blue.
@@ -20,20 +22,48 @@ pub(super) struct Canvas {
     pub width: usize,
     pub height: usize,
     pixels: Vec<u8>,
+    /// The strokes, unless the canvas is for pixels alone.
+    vector: Option<Vector>,
 }
 
 impl Canvas {
     /// A white picture.
     pub fn new(width: usize, height: usize) -> Canvas {
-        Canvas { width, height, pixels: vec![255; 3 * width * height] }
+        Canvas { vector: Some(Vector::default()), ..Canvas::of_pixels(width, height) }
     }
 
-    /// Sets one pixel; places outside are passed over.
-    pub fn set(&mut self, x: usize, y: usize, colour: Colour) {
-        if x < self.width && y < self.height {
-            let at = 3 * (y * self.width + x);
-            self.pixels[at..at + 3].copy_from_slice(&colour);
+    /// A white picture for strokes too many to be kept; in an SVG file it is an image.
+    pub fn of_pixels(width: usize, height: usize) -> Canvas {
+        Canvas { width, height, pixels: vec![255; 3 * width * height], vector: None }
+    }
+
+    /// Gives every pixel of a rectangle inside the picture a colour.
+    pub fn fill(&mut self, x: Range<usize>, y: Range<usize>, colour: impl Fn(usize, usize) -> Colour) {
+        let (x, y) = (x.start..x.end.min(self.width), y.start..y.end.min(self.height));
+        let mut image = Canvas::of_pixels(x.len(), y.len());
+        for (target, row) in image.pixels.chunks_exact_mut((3 * x.len()).max(1)).zip(y.clone()) {
+            for (pixel, column) in target.chunks_exact_mut(3).zip(x.clone()) {
+                pixel.copy_from_slice(&colour(column, row));
+            }
+            let at = 3 * (row * self.width + x.start);
+            self.pixels[at..at + target.len()].copy_from_slice(target);
         }
+        let place = (x.start as f64, y.start as f64);
+        self.keep_image(&image, place, (x.len() as f64, y.len() as f64));
+    }
+
+    fn keep_image(&mut self, image: &Canvas, place: Point, size: (f64, f64)) {
+        if let Some(vector) = &mut self.vector
+            && image.width * image.height > 0
+        {
+            let png = image.encode().expect("a picture with pixels can be encoded in memory");
+            vector.image(&png, place, size);
+        }
+    }
+
+    /// The strokes, if they are kept.
+    pub fn vector(&mut self) -> Option<&mut Vector> {
+        self.vector.as_mut()
     }
 
     /// Lays a colour over a pixel with a coverage of 0 to 1; places outside are passed over.
@@ -50,17 +80,24 @@ impl Canvas {
 
     /// A line with round ends.
     pub fn line(&mut self, a: Point, b: Point, width: f64, colour: Colour) {
+        self.vector.iter_mut().for_each(|v| v.polyline(&[a, b], width, colour));
+        self.stroke(a, b, width, colour);
+    }
+
+    fn stroke(&mut self, a: Point, b: Point, width: f64, colour: Colour) {
         let size = (self.width, self.height);
         cover(size, a, b, width, |x, y, coverage| self.blend(x, y, colour, coverage));
     }
 
     /// Lines from point to point.
     pub fn polyline(&mut self, points: &[Point], width: f64, colour: Colour) {
-        points.windows(2).for_each(|p| self.line(p[0], p[1], width, colour));
+        self.vector.iter_mut().for_each(|v| v.polyline(points, width, colour));
+        points.windows(2).for_each(|p| self.stroke(p[0], p[1], width, colour));
     }
 
     /// A curve through points, its edges even where many short lines meet.
     pub fn curve(&mut self, points: &[Point], width: f64, colour: Colour) {
+        self.vector.iter_mut().for_each(|v| v.polyline(points, width, colour));
         let range = |take: fn(&Point) -> f64, limit: usize| -> (i64, usize) {
             let low = points.iter().map(take).fold(f64::INFINITY, f64::min) - width - 2.0;
             let high = points.iter().map(take).fold(f64::NEG_INFINITY, f64::max) + width + 2.0;
@@ -84,7 +121,12 @@ impl Canvas {
     }
 
     /// Fills the pixels whose centres lie in a triangle; of a shared edge, those of one side.
-    pub fn triangle(&mut self, mut p: [Point; 3], colour: Colour) {
+    pub fn triangle(&mut self, p: [Point; 3], colour: Colour) {
+        self.vector.iter_mut().for_each(|v| v.polygon(&p, colour));
+        self.area(p, colour);
+    }
+
+    fn area(&mut self, mut p: [Point; 3], colour: Colour) {
         p.sort_by(|a, b| a.1.total_cmp(&b.1));
         // Pixels from round(low) up to round(high), exclusive, have their centres between.
         let pixel = |v: f64, limit: usize| ((v + 0.5).max(0.0) as usize).min(limit);
@@ -109,11 +151,12 @@ impl Canvas {
 
     /// Fills a quadrilateral, corners in order round it.
     pub fn quad(&mut self, p: [Point; 4], colour: Colour) {
-        self.triangle([p[0], p[1], p[2]], colour);
-        self.triangle([p[0], p[2], p[3]], colour);
+        self.vector.iter_mut().for_each(|v| v.polygon(&p, colour));
+        self.area([p[0], p[1], p[2]], colour);
+        self.area([p[0], p[2], p[3]], colour);
     }
 
-    /// The picture at half the size, each pixel the mean of four.
+    /// The picture at half the size, each pixel the mean of four; in an SVG file at its full size.
     pub fn halved(&self) -> Canvas {
         let mut half = Canvas::new(self.width / 2, self.height / 2);
         let stride = 3 * self.width;
@@ -129,11 +172,21 @@ impl Canvas {
                 }
             }
         }
+        half.keep_image(self, (0.0, 0.0), (half.width as f64, half.height as f64));
         half
+    }
+
+    /// The picture as an SVG file; empty where its strokes were not kept.
+    pub fn svg(&self) -> String {
+        self.vector.as_ref().map_or_else(String::new, |v| v.file(self.width, self.height))
     }
 
     /// The picture as a PNG file in memory.
     pub fn png(&self, path: &Path) -> Result<Vec<u8>, FigureError> {
+        self.encode().map_err(|e| FigureError::Encode { path: path.into(), reason: e.to_string() })
+    }
+
+    fn encode(&self) -> Result<Vec<u8>, png::EncodingError> {
         let mut bytes = Vec::with_capacity(self.pixels.len() / 8);
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
@@ -145,10 +198,7 @@ impl Canvas {
             yppu: PIXELS_PER_METRE,
             unit: png::Unit::Meter,
         }));
-        encoder
-            .write_header()
-            .and_then(|mut writer| writer.write_image_data(&self.pixels))
-            .map_err(|e| FigureError::Encode { path: path.into(), reason: e.to_string() })?;
+        encoder.write_header()?.write_image_data(&self.pixels)?;
         Ok(bytes)
     }
 }

@@ -112,10 +112,8 @@ pub(super) fn colour_bar(
 ) {
     let (wide, tip) = (34.0, 30.0);
     let foot = if cut { bottom - tip } else { bottom };
-    for row in top as usize..foot as usize {
-        let colour = viridis((foot - row as f64 - 0.5) / (foot - top));
-        (x as usize..(x + wide) as usize).for_each(|column| canvas.set(column, row, colour));
-    }
+    let colour = |_, row: usize| viridis((foot - row as f64 - 0.5) / (foot - top));
+    canvas.fill(x as usize..(x + wide) as usize, top as usize..foot as usize, colour);
     let mut outline = vec![(x, foot), (x, top), (x + wide, top), (x + wide, foot)];
     if cut {
         let point = (x + wide / 2.0, bottom);

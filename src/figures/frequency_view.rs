@@ -32,13 +32,11 @@ pub(super) fn draw(heading: &str, axis: &str, field: &Field) -> Canvas {
             between(&field.positions, frame.x.low + t * (frame.x.high - frame.x.low))
         })
         .collect();
-    let mut paint = |row: usize| {
-        for (x, &(i, weight)) in (left..right).zip(&across) {
-            let (a, b) = (columns[i][row], columns[i + 1][row]);
-            canvas.set(x, bottom - 1 - row, viridis(a + (b - a) * weight));
-        }
-    };
-    (0..bottom - top).for_each(&mut paint);
+    canvas.fill(left..right, top..bottom, |x, y| {
+        let ((i, weight), row) = (across[x - left], bottom - 1 - y);
+        let (a, b) = (columns[i][row], columns[i + 1][row]);
+        viridis(a + (b - a) * weight)
+    });
     let heading = format!("{heading}, frequency view");
     frame.axes(&mut canvas, &font, &heading, &position_label(axis), FREQUENCY_LABEL);
     let place = (frame.right + 36.0, frame.top, frame.bottom);

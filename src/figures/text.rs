@@ -1,8 +1,9 @@
 //! Text on a picture, in the bundled DejaVu Sans.
 
-use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
+use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, PxScale, ScaleFont, point};
 
 use super::canvas::{Canvas, Colour, INK, Point};
+use super::vector::Outline;
 
 /// Size of text in pixels an em: 9.6 pt where 1600 px are 16 cm wide.
 pub(super) const TEXT: f64 = 34.0;
@@ -50,6 +51,34 @@ impl Typeface {
         (glyphs, f64::from(x))
     }
 
+    /// The outline of laid-out glyphs in the text's own frame, capitals centred on 0.
+    fn outline(&self, glyphs: &[(GlyphId, f32)], size: f64, start: f64) -> Outline {
+        let unit = size / f64::from(self.0.units_per_em().unwrap_or(2048.0));
+        let mut outline = Outline::default();
+        for (glyph, x) in glyphs {
+            let place = |p: ab_glyph::Point| {
+                (f64::from(*x) + start + f64::from(p.x) * unit, CAPITAL * size / 2.0 - f64::from(p.y) * unit)
+            };
+            for curve in self.0.outline(*glyph).map(|o| o.curves).unwrap_or_default() {
+                match curve {
+                    OutlineCurve::Line(a, b) => {
+                        outline.start(place(a));
+                        outline.go(&[place(b)]);
+                    }
+                    OutlineCurve::Quad(a, b, c) => {
+                        outline.start(place(a));
+                        outline.go(&[place(b), place(c)]);
+                    }
+                    OutlineCurve::Cubic(a, b, c, d) => {
+                        outline.start(place(a));
+                        outline.go(&[place(b), place(c), place(d)]);
+                    }
+                }
+            }
+        }
+        outline
+    }
+
     /// Length of a text in pixels.
     pub fn width(&self, text: &str, size: f64) -> f64 {
         self.layout(text, size).1
@@ -88,6 +117,10 @@ impl Typeface {
             Align::Middle => -length / 2.0,
             Align::End => -length,
         };
+        if let Some(vector) = canvas.vector() {
+            let outline = self.outline(&glyphs, size, start);
+            vector.text(text, outline.data(), at, upwards, colour);
+        }
         // In the text's own frame: x along the line, y down from the middle of the capitals.
         let baseline = (CAPITAL * size / 2.0) as f32;
         let (fraction_x, fraction_y) = if upwards { (0.0, 0.0) } else { (at.0.fract(), at.1.fract()) };
