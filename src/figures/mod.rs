@@ -1,8 +1,10 @@
-//! Pictures of the results, as PNG for print at 16 cm width.
+//! Pictures of the results, as PNG and SVG for print at 16 cm width, both from the same strokes.
 //!
 //! | file | shows | in the paper |
 //! |---|---|---|
 //! | `eigenfrequencies.png` | eigenfrequencies over the position, a line a family | figure 8 |
+//! | `impulse_time.png` | displacements after a push of 1 N and 1 ms in all directions | figure 9 |
+//! | `impulse_frequency.png` | their spectrum over that of the push | figure 10 |
 //! | `frf_<label>_amplitude.png` | magnitude as a surface over position and frequency | figures 11 to 13 |
 //! | `frf_<label>_frequency.png` | logarithm of the magnitude as a map, position against frequency | figures 14 to 16 |
 //!
@@ -23,8 +25,13 @@ mod eigenfrequencies;
 mod field;
 mod frame;
 mod frequency_view;
+mod impulse;
+pub mod report;
 mod scale;
 mod text;
+mod vector;
+
+pub use impulse::{ImpulseInput, PULSE, draw_impulse, pulse_response};
 
 use std::path::{Path, PathBuf};
 
@@ -32,7 +39,7 @@ use rayon::prelude::*;
 
 use crate::export::response::{Response, direct_responses};
 use crate::export::{ExportError, atomic};
-use crate::frf::ComplianceMap;
+use crate::frf::{ComplianceMap, FrfError};
 use crate::modal::ModeFamilies;
 use canvas::Canvas;
 use field::Field;
@@ -95,6 +102,9 @@ pub enum FigureError {
         /// The encoder's reason.
         reason: String,
     },
+    /// A spectrum could not be computed.
+    #[error(transparent)]
+    Frf(FrfError),
     /// The file could not be written.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -107,7 +117,7 @@ enum Picture<'a> {
     Frequency(&'a Response),
 }
 
-/// Draws all pictures into a folder, in parallel; returns their paths, eigenfrequencies first.
+/// Draws all pictures into a folder as PNG and SVG, in parallel; returns their paths, eigenfrequencies first.
 ///
 /// # Errors
 /// [`FigureError::NotFinite`] and [`FigureError::Shape`] with the place of what cannot be drawn,
@@ -126,10 +136,18 @@ pub fn draw_all(input: &FigureInput, folder: &Path) -> Result<Vec<PathBuf>, Figu
         .map(|(picture, name)| {
             let path = folder.join(&name);
             let canvas = draw(input, &picture, &name)?;
-            atomic::write_bytes(&path, &canvas.png(&path)?)?;
-            Ok(path)
+            write_both(&path, &canvas)
         })
-        .collect()
+        .collect::<Result<Vec<_>, _>>()
+        .map(|files| files.into_iter().flatten().collect())
+}
+
+/// Writes a picture as PNG under its path, and as SVG beside it.
+fn write_both(path: &Path, canvas: &Canvas) -> Result<[PathBuf; 2], FigureError> {
+    let vector = path.with_extension("svg");
+    atomic::write_bytes(path, &canvas.png(path)?)?;
+    atomic::write_bytes(&vector, canvas.svg().as_bytes())?;
+    Ok([path.into(), vector])
 }
 
 fn draw(input: &FigureInput, picture: &Picture, name: &str) -> Result<Canvas, FigureError> {

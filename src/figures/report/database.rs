@@ -1,0 +1,206 @@
+//! `modal_database.bin`: what the report page and the pictures are made from.
+//!
+//! Sixteen bytes `stiffmap-modal-1`, the length of the header (64-bit, little-endian), the header as
+//! JSON, zeros up to a multiple of eight bytes, the arrays that the header lists. `docs/report.md`
+//! describes each.
+
+use super::ReportError;
+use super::arrays::Arrays;
+use super::header::{Header, VeeringEntry, springs, table_entry, veering_entry};
+use super::pack::{push_families, push_local, push_systems};
+use super::shapes::push_shapes;
+use crate::coupling::CoupledModel;
+use crate::export::atomic;
+use crate::frf::ModalSystem;
+use crate::frf::metrics::PairMetrics;
+use crate::machine::Machine;
+use crate::modal::{ModeFamilies, ModeTableRow, Modes, TrackedMode, Veering};
+use crate::reduction::Superelement;
+use nalgebra::{Complex, DMatrix};
+use std::path::Path;
+
+const MAGIC: &[u8; 16] = b"stiffmap-modal-1";
+
+/// The results of a run that a database is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct DatabaseInput<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Its coupled model.
+    pub model: &'a CoupledModel,
+    /// Its reduced parts, with their skins.
+    pub superelements: &'a [Superelement],
+    /// Modes, one a position.
+    pub modes: &'a [Modes],
+    /// What the map is summed from, one a position.
+    pub systems: &'a [ModalSystem],
+    /// Families over the positions.
+    pub families: &'a ModeFamilies,
+    /// Range of each family.
+    pub table: &'a [ModeTableRow],
+    /// Free motions in words.
+    pub free_motions: &'a [String],
+    /// Refined metrics of the direct responses, `[position][direction]`; may be empty.
+    pub metrics: &'a [Vec<PairMetrics>],
+}
+
+/// A modal database.
+#[derive(Clone, Debug)]
+pub struct Database {
+    /// Names and settings.
+    pub header: Header,
+    arrays: Arrays,
+}
+
+impl Database {
+    /// Collects a run's results.
+    ///
+    /// # Errors
+    /// [`ReportError`] if the local coordinates of a position or the space of the shapes cannot be formed.
+    pub fn new(input: &DatabaseInput<'_>) -> Result<Self, ReportError> {
+        let DatabaseInput { machine, model, modes, systems, families, .. } = *input;
+        let mut arrays = Arrays::default();
+        let (outputs, inputs) = (model.output_names(), model.input_names());
+        let symmetric = outputs == inputs && systems.iter().all(|s| s.outputs == s.inputs);
+        let grid = &machine.analysis.frequencies;
+        let highest = grid.iter().copied().fold(1.0, f64::max);
+        arrays.push_f64("position", &[modes.len()], modes.iter().map(|m| m.position));
+        arrays.push_f64("frequency", &[grid.len()], grid.iter().copied());
+        push_systems(&mut arrays, systems, symmetric);
+        let (springs, groups, selected) = springs(machine);
+        push_local(&mut arrays, input, &selected, highest, symmetric)?;
+        let listed = push_families(&mut arrays, families);
+        if let Some(first) = input.metrics.first() {
+            let shape = [modes.len(), first.len()];
+            let all = || input.metrics.iter().flatten();
+            arrays.push_f64("peak", &shape, all().map(|m| m.peak.value));
+            arrays.push_f64("peak_frequency", &shape, all().map(|m| m.peak.frequency));
+        }
+        let moves = &machine.axis.moves;
+        let parts =
+            push_shapes(&mut arrays, model, input.superelements, moves, modes, listed).map_err(ReportError::Shapes)?;
+        let damping = &machine.analysis.damping;
+        let header = Header {
+            machine: machine.name.clone(),
+            axis: machine.axis.name.clone(),
+            direction: machine.axis.direction,
+            outputs,
+            inputs,
+            symmetric,
+            highest_hz: highest,
+            damping_ratios: damping.ratios.clone(),
+            rayleigh: damping.rayleigh,
+            loss_factor: damping.loss_factor,
+            lossy_parts: model.parts.iter().filter(|p| p.loss_factor.is_some()).map(|p| p.name.clone()).collect(),
+            groups,
+            springs,
+            table: input.table.iter().map(table_entry).collect(),
+            veerings: families.veerings.iter().map(veering_entry).collect(),
+            free_motions: input.free_motions.to_vec(),
+            parts,
+            arrays: arrays.entries.clone(),
+        };
+        Ok(Self { header, arrays })
+    }
+
+    /// The database as a file in memory.
+    pub fn bytes(&self) -> Vec<u8> {
+        let header = serde_json::to_vec(&self.header).expect("names and finite numbers are JSON");
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend_from_slice(&(header.len() as u64).to_le_bytes());
+        bytes.extend_from_slice(&header);
+        bytes.resize(bytes.len().next_multiple_of(8), 0);
+        bytes.extend_from_slice(&self.arrays.bytes);
+        bytes
+    }
+
+    /// Writes the database.
+    ///
+    /// # Errors
+    /// [`ReportError::Export`].
+    pub fn write(&self, path: &Path) -> Result<(), ReportError> {
+        Ok(atomic::write_bytes(path, &self.bytes())?)
+    }
+
+    /// Reads a database.
+    ///
+    /// # Errors
+    /// [`ReportError::Missing`] if it cannot be read, [`ReportError::NoDatabase`] if it is none.
+    pub fn read(path: &Path) -> Result<Self, ReportError> {
+        let file = std::fs::read(path).map_err(|source| ReportError::Missing { path: path.into(), source })?;
+        let wrong = |reason: &str| ReportError::NoDatabase { path: path.into(), reason: reason.into() };
+        let rest = file.strip_prefix(MAGIC).ok_or_else(|| wrong("its first bytes are not those of one"))?;
+        let (length, rest) = rest.split_first_chunk::<8>().ok_or_else(|| wrong("it ends early"))?;
+        let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
+        let header = rest.get(..length).ok_or_else(|| wrong("its header ends early"))?;
+        let header: Header = serde_json::from_slice(header).map_err(|e| wrong(&e.to_string()))?;
+        let start = (MAGIC.len() + 8 + length).next_multiple_of(8);
+        let bytes = file.get(start..).ok_or_else(|| wrong("its arrays are missing"))?.to_vec();
+        Ok(Self { arrays: Arrays { entries: header.arrays.clone(), bytes }, header })
+    }
+
+    fn floats(&self, name: &str) -> Option<Vec<f64>> {
+        self.arrays.f64(name).map(|(_, values)| values)
+    }
+
+    /// Positions (m) and the frequencies (Hz) of the run.
+    pub fn axes(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        Some((self.floats("position")?, self.floats("frequency")?))
+    }
+
+    /// What the map was summed from, one a position, to the last bit; nothing if an array is missing.
+    pub fn systems(&self) -> Option<Vec<ModalSystem>> {
+        let (_, counts) = self.arrays.u32("nominal_count")?;
+        let (shape, frequency) = self.arrays.f64("nominal_frequency")?;
+        let &[_, m] = shape else { return None };
+        let (o, i) = (self.header.outputs.len(), self.header.inputs.len());
+        let (ratio, loss) = (self.floats("nominal_ratio")?, self.floats("nominal_loss")?);
+        let outputs = self.floats("nominal_outputs")?;
+        let inputs = if self.header.symmetric { outputs.clone() } else { self.floats("nominal_inputs")? };
+        let (shape, residual) = self.arrays.f64("nominal_residual")?;
+        let degrees = *shape.get(1)?;
+        let whole = |v: &Vec<f64>, each: usize| v.len() == counts.len() * each;
+        let lengths = [(&frequency, m), (&ratio, m), (&loss, m), (&outputs, o * m), (&inputs, i * m)];
+        if lengths.iter().any(|(v, each)| !whole(v, *each)) || !whole(&residual, degrees * o * i * 2) {
+            return None;
+        }
+        let one = |(p, &n): (usize, &usize)| {
+            let rows = |v: &[f64], k: usize| DMatrix::from_fn(k, n, |a, r| v[(p * k + a) * m + r]);
+            let c = |d: usize, a: usize, b: usize| {
+                let at = 2 * (((p * degrees + d) * o + a) * i + b);
+                Complex::new(residual[at], residual[at + 1])
+            };
+            (n <= m).then(|| ModalSystem {
+                frequencies: frequency[p * m..p * m + n].to_vec(),
+                damping_ratios: ratio[p * m..p * m + n].to_vec(),
+                loss_factors: loss[p * m..p * m + n].to_vec(),
+                outputs: rows(&outputs, o),
+                inputs: rows(&inputs, i),
+                residual: (0..degrees).map(|d| DMatrix::from_fn(o, i, |a, b| c(d, a, b))).collect(),
+            })
+        };
+        counts.iter().enumerate().map(one).collect()
+    }
+
+    /// Families over the positions; nothing if an array is missing.
+    pub fn families(&self) -> Option<ModeFamilies> {
+        let positions = self.floats("position")?;
+        let (shape, family) = self.arrays.u32("family")?;
+        let listed = *shape.get(1)?;
+        let (frequency, ratio) = (self.floats("family_frequency")?, self.floats("family_ratio")?);
+        if [frequency.len(), ratio.len(), positions.len() * listed].iter().any(|n| *n != family.len()) {
+            return None;
+        }
+        let mode = |at: usize, rank: usize| TrackedMode {
+            family: family[at],
+            rank,
+            frequency: frequency[at],
+            damping_ratio: ratio[at],
+        };
+        let modes = (0..positions.len())
+            .map(|p| (0..listed).map(|r| mode(p * listed + r, r + 1)).filter(|m| m.family > 0).collect())
+            .collect();
+        let veering = |v: &VeeringEntry| Veering { from: v.from_m, to: v.to_m, families: v.families, mac: v.mac };
+        Some(ModeFamilies { positions, modes, veerings: self.header.veerings.iter().map(veering).collect() })
+    }
+}

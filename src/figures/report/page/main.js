@@ -1,0 +1,333 @@
+// The page: settings in, surface, curves and tables out.
+"use strict";
+
+const $ = (id) => document.getElementById(id);
+
+// What the heights and curves show: unit by quantity, and the number of a response in um/N times the powers of 1/s.
+const QUANTITIES = {
+  0: { name: "Receptance", unit: "µm/N", factor: 1 },
+  1: { name: "Mobility", unit: "µm/(N s)", factor: 1 },
+  2: { name: "Accelerance", unit: "m/(N s²)", factor: 1e-6 },
+  stiffness: { name: "Dynamic stiffness 1/H", unit: "N/µm", factor: 1 },
+};
+const PARTS = {
+  log: (re, im) => Math.hypot(re, im),
+  linear: (re, im) => Math.hypot(re, im),
+  real: (re) => re,
+  imaginary: (re, im) => im,
+  phase: (re, im) => (Math.atan2(im, re) * 180) / Math.PI,
+};
+// A logarithmic scale spans this many powers of ten at most.
+const DECADES = 5;
+const GROUPS = {
+  guides: { label: "stiffness of the guides", low: 0.25, high: 4 },
+  bearings: { label: "stiffness of the bearings", low: 0.25, high: 4 },
+  screws: { label: "diameter of the screw", low: 0.5, high: 2 },
+  dampers: { label: "stiffness of the spring-dampers", low: 0.25, high: 4 },
+};
+
+const stiffmap = { timings: {}, errors: [] };
+window.stiffmap = stiffmap;
+
+class Page {
+  constructor(db, manifest) {
+    this.db = db;
+    this.manifest = manifest;
+    const { header } = db;
+    const listed = Array.from(db.positions.keys());
+    this.order = listed.sort((a, b) => db.positions[a] - db.positions[b]);
+    this.along = this.order.map((p) => db.positions[p] * 1e3);
+    const lowest = db.frequencies[0];
+    const highest = db.frequencies[db.frequencies.length - 1];
+    this.limits = [lowest, highest > lowest ? highest : lowest + 1];
+    this.state = {
+      output: 0,
+      input: 0,
+      quantity: "0",
+      part: "log",
+      colours: "viridis",
+      position: 0,
+      frequency: 0.5 * (lowest + highest),
+      from: this.limits[0],
+      to: this.limits[1],
+      resolution: 450,
+      damping: null,
+      factors: Object.fromEntries(header.groups.map((group) => [group.name, 1])),
+      reference: 0,
+      mode: 0,
+      amplitude: 0.05,
+    };
+    this.busy = null;
+    this.again = false;
+  }
+
+  // Opens what computes and what draws, then shows the machine as run.
+  async start(shader, withoutGpu) {
+    const source = `${$("shared").textContent}`;
+    this.engine = new Engine(this.db, source);
+    buildControls(this);
+    try {
+      this.surface = this.order.length > 1 ? new Surface($("surface")) : null;
+      if (!this.surface) $("surface-panel").hidden = true;
+    } catch (error) {
+      fail(`The surfaces are not drawn: ${error.message || error}. Curves and tables are complete.`);
+    }
+    this.curves = buildCurves(this);
+    await this.engine.open(shader, withoutGpu);
+    $("engine").textContent = `Maps computed by ${this.engine.engineName()}`;
+    await this.refresh();
+    stiffmap.timings.first = performance.now();
+    this.startShapes();
+    $("facts").append(...runFacts(this.manifest));
+    $("family-table").append(familyTable(this.db.header));
+    $("remarks").append(...remarks(this.db.header));
+    setTimeout(() => this.engine.startWorkers(), 100);
+  }
+
+  startShapes() {
+    try {
+      this.shapes = new Shapes($("shape"), this.db);
+      this.shapes.setColours(this.state.colours);
+    } catch (error) {
+      fail(`Mode shapes are not drawn: ${error.message || error}.`);
+    }
+    this.showShape();
+    this.showMac();
+  }
+
+  // Takes changes of the state; resolves once the surface shows them.
+  async set(changes) {
+    Object.assign(this.state, changes);
+    showControls(this);
+    await this.refresh();
+  }
+
+  // Computes and draws; while that runs, further calls are answered by one more run with the newest state.
+  refresh() {
+    this.again = true;
+    if (!this.busy) {
+      this.busy = this.run().finally(() => {
+        this.busy = null;
+      });
+    }
+    return this.busy;
+  }
+
+  async run() {
+    while (this.again) {
+      this.again = false;
+      try {
+        await this.once();
+      } catch (error) {
+        fail(`The map was not computed: ${error.message || error}`);
+        throw error;
+      }
+      await new Promise((resolve) => setTimeout(resolve, 0));
+      if (!this.again) this.showRest();
+    }
+  }
+
+  grid() {
+    const { from, to, resolution } = this.state;
+    return Float64Array.from({ length: resolution }, (_, k) => from + ((to - from) * k) / (resolution - 1));
+  }
+
+  async once() {
+    const started = performance.now();
+    const { state, engine } = this;
+    const grid = this.grid();
+    const { factors, damping } = state;
+    await engine.solve({ factors, damping });
+    const solved = performance.now();
+    const power = state.quantity === "stiffness" ? 0 : Number(state.quantity);
+    const values = await engine.map(state.output, state.input, grid, power);
+    const summed = performance.now();
+    this.map = { frequencies: grid, values, engine: engine.engineName() };
+    this.drawSurface(grid, values);
+    await this.painted();
+    const drawn = performance.now();
+    const [all, solve, sum, draw] = [drawn - started, solved - started, summed - solved, drawn - summed];
+    stiffmap.timings.last = { all, solve, sum, draw, factor: factors.guides };
+    const split = `${solve.toFixed(0)} to solve, ${sum.toFixed(0)} to sum, ${draw.toFixed(0)} to draw`;
+    $("timing").textContent = `${this.order.length} × ${grid.length} pairs in ${all.toFixed(0)} ms (${split})`;
+    $("engine").textContent = `Maps computed by ${engine.engineName()}`;
+  }
+
+  // Resolves after the frame that shows the surface.
+  painted() {
+    if (document.visibilityState === "hidden") return null;
+    return new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 0)));
+  }
+
+  // A response as what is shown, from um/N times the powers of 1/s.
+  shown(re, im) {
+    const { quantity, part } = this.state;
+    const { factor } = QUANTITIES[quantity];
+    if (quantity === "stiffness") {
+      const square = re * re + im * im;
+      return PARTS[part](re / square, -im / square);
+    }
+    return PARTS[part](re * factor, im * factor);
+  }
+
+  label() {
+    const { quantity, part, output, input } = this.state;
+    const { name, unit } = QUANTITIES[quantity];
+    const { outputs, inputs } = this.db.header;
+    const pair = `${outputs[output]}/${inputs[input]}`;
+    if (part === "phase") return `Phase of ${name.toLowerCase()} ${pair} [°]`;
+    const what = { log: `|${name}|`, linear: `|${name}|`, real: `Re ${name}`, imaginary: `Im ${name}` }[part];
+    return `${what} ${pair} [${unit}]`;
+  }
+
+  drawSurface(grid, values) {
+    if (!this.surface) return;
+    const { order, state } = this;
+    const n = grid.length;
+    const numbers = new Float32Array(order.length * n);
+    let [low, high] = [Infinity, -Infinity];
+    order.forEach((p, row) => {
+      for (let k = 0; k < n; k++) {
+        const at = 2 * (p * n + k);
+        const value = this.shown(values[at], values[at + 1]);
+        numbers[row * n + k] = value;
+        if (!Number.isFinite(value)) continue;
+        if (value < low && (state.part !== "log" || value > 0)) low = value;
+        if (value > high) high = value;
+      }
+    });
+    const scale = heightScale(state.part, low, high);
+    for (let k = 0; k < numbers.length; k++) numbers[k] = scale.at(numbers[k]);
+    const [x0, x1] = [grid[0], grid[n - 1]];
+    const [z0, z1] = [this.along[0], this.along[this.along.length - 1]];
+    this.surface.setGrid(
+      Array.from(grid, (f) => (f - x0) / (x1 - x0)),
+      this.along.map((z) => (z - z0) / (z1 - z0)),
+    );
+    this.surface.setAxes({
+      x: {
+        ticks: roundTicks(x0, x1, 6).map((f) => ({ at: (f - x0) / (x1 - x0), text: digits(f, 5) })),
+        label: "Frequency [Hz]",
+      },
+      z: {
+        ticks: roundTicks(z0, z1, 4).map((z) => ({ at: (z - z0) / (z1 - z0), text: digits(z, 5) })),
+        label: `Position ${this.db.header.axis} [mm]`,
+      },
+      y: { ticks: scale.ticks, label: this.label() },
+    });
+    this.surface.setHeights(numbers);
+    this.placeCursor();
+  }
+
+  placeCursor() {
+    if (!this.surface || !this.surface.mesh) return;
+    const { from, to, resolution, frequency, position } = this.state;
+    const column = Math.round(((frequency - from) / (to - from)) * (resolution - 1));
+    const row = this.order.indexOf(position);
+    this.surface.setCursor(Math.min(Math.max(column, 0), resolution - 1), row);
+  }
+
+  // Everything beside the surface.
+  showRest() {
+    showCurves(this);
+    const { position } = this.state;
+    $("mode-table").replaceChildren(
+      modeTable(this.db, position, this.engine.systems[position], this.engine.key !== ""),
+    );
+  }
+
+  moveCursor(changes) {
+    Object.assign(this.state, changes);
+    showControls(this);
+    this.placeCursor();
+    this.showRest();
+    if (changes.position !== undefined) {
+      this.showShape();
+      this.showMac();
+    }
+  }
+
+  showShape() {
+    if (!this.shapes) return;
+    const { position, mode, amplitude } = this.state;
+    const listed = this.db.shape("family")[1];
+    const family = this.db.values("family")[position * listed + mode];
+    const f = this.db.values("family_frequency")[position * listed + mode];
+    this.shapes.show(position, mode, amplitude);
+    const place = `${this.db.header.axis} = ${mm(this.db.positions[position])} mm`;
+    const what = f < 0.01 ? "free motion at 0 Hz" : `${f.toFixed(2)} Hz`;
+    $("shape-caption").textContent =
+      `Rank ${mode + 1}, family ${family}, ${what} at ${place}; largest displacement ${digits(this.shapes.largest, 3)} kg^(−1/2), drawn exaggerated; colours from none to the largest.`;
+  }
+
+  showMac() {
+    const { position, reference, colours } = this.state;
+    const { values, listed } = drawMac($("mac"), this.db, position, reference, colours);
+    let worst = 0;
+    for (let r = 1; r < listed; r++) if (values[r * listed + r] < values[worst * listed + worst]) worst = r;
+    const [a, b] = [position, reference].map((p) => `${mm(this.db.positions[p])} mm`);
+    $("mac-caption").textContent =
+      `Rows: ranks 1 to ${listed} at ${a}, from below; columns: at ${b}. Smallest on the diagonal: ${digits(values[worst * listed + worst], 3)} at rank ${worst + 1}.`;
+  }
+
+  setColours() {
+    const { colours } = this.state;
+    if (this.surface) this.surface.setColours(colours);
+    if (this.shapes) this.shapes.setColours(colours);
+    this.showMac();
+  }
+
+  // After a change between light and dark.
+  recolour() {
+    this.drawSurface(this.map.frequencies, this.map.values);
+    this.showRest();
+  }
+}
+
+// Heights 0 to 1 of what is shown, with ticks.
+function heightScale(part, low, high) {
+  if (!(high >= low)) [low, high] = [0, 1];
+  if (part === "log") {
+    const top = Math.log10(high > 0 ? high : 1);
+    const bottom = Math.max(low > 0 ? Math.log10(low) : top - 1, top - DECADES);
+    const range = top > bottom ? top - bottom : 1;
+    const ticks = [];
+    for (let k = Math.ceil(bottom); k <= top; k++) ticks.push({ at: (k - bottom) / range, text: `10${raised(k)}` });
+    return { ticks, at: (v) => Math.max(0, (Math.log10(Math.max(v, 1e-300)) - bottom) / range) };
+  }
+  if (part === "linear") low = 0;
+  if (part === "phase") [low, high] = [-180, 180];
+  const range = high > low ? high - low : 1;
+  const ticks = part === "phase" ? [-180, -90, 0, 90, 180] : roundTicks(low, high, 5);
+  return { ticks: ticks.map((v) => ({ at: (v - low) / range, text: digits(v, 3) })), at: (v) => (v - low) / range };
+}
+
+function remarks(header) {
+  const lines = [...header.free_motions.map((text) => `Free motion at 0 Hz: ${text}.`)];
+  for (const v of header.veerings) {
+    const place = `${mm(v.from_m)} and ${mm(v.to_m)} mm`;
+    lines.push(`Families ${v.families.join(" and ")} veer between ${place} (MAC ${v.mac.toFixed(2)}): both labellings are conventions there.`);
+  }
+  return lines.map((textContent) => element("p", { className: "hint", textContent }));
+}
+
+function fail(text) {
+  stiffmap.errors.push(text);
+  $("failure").textContent = text;
+  $("failure").hidden = false;
+}
+
+stiffmap.ready = (async () => {
+  const db = openDatabase(fromBase64($("database").textContent.trim()));
+  const manifest = JSON.parse($("manifest").textContent);
+  const page = new Page(db, manifest);
+  stiffmap.page = page;
+  const withoutGpu = /[?#&]webgpu=off/.test(location.href);
+  await page.start($("modal_sum.wgsl").textContent, withoutGpu);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => page.recolour());
+  window.addEventListener("beforeprint", () => {
+    for (const view of [page.surface, page.shapes]) if (view) view.view.resize();
+  });
+  return page;
+})();
+stiffmap.ready.catch((error) => fail(`The page could not be shown: ${error.message || error}`));

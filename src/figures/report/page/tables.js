@@ -1,0 +1,120 @@
+// Tables: families, modes at the cursor, MAC between two positions, what was run.
+"use strict";
+
+function element(tag, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+function table(caption, head, rows) {
+  const cell = (tag, text) => element(tag, { textContent: text, scope: tag === "th" ? "col" : "" });
+  return element(
+    "table",
+    {},
+    element("caption", { textContent: caption }),
+    element("thead", {}, element("tr", {}, ...head.map((text) => cell("th", text)))),
+    element("tbody", {}, ...rows.map((row) => element("tr", {}, ...row.map((text) => cell("td", text))))),
+  );
+}
+
+function familyTable(header) {
+  const rows = header.table
+    .filter((row) => row.max_hz > 0.01)
+    .map((row) => [
+      row.family,
+      row.min_hz.toFixed(2),
+      row.max_hz.toFixed(2),
+      row.difference_percent.toFixed(1),
+      mm(row.position_of_min_m),
+      mm(row.position_of_max_m),
+      row.interior_extremum ? "yes" : "no",
+    ]);
+  const axis = header.axis;
+  const head = ["family", "min [Hz]", "max [Hz]", "difference [%]", `min at ${axis} [mm]`, `max at ${axis} [mm]`];
+  return table("Families over the travel, as run", [...head, "extremum inside"], rows);
+}
+
+function mm(metres) {
+  return digits(1e3 * metres, 6);
+}
+
+// Modes at a position: as run, and what the settings make of them by rank.
+function modeTable(db, p, system, changed) {
+  const listed = db.shape("family")[1];
+  const at = (name, r) => db.values(name)[p * listed + r];
+  const rows = [];
+  let elastic = 0;
+  const now = Array.from(system.frequency).filter((f) => f > FREE_BELOW);
+  for (let r = 0; r < listed; r++) {
+    const family = at("family", r);
+    if (family === 0) continue;
+    const f = at("family_frequency", r);
+    const free = f < 0.01;
+    const own = free ? "–" : digits(100 * at("family_ratio", r), 4);
+    const row = [r + 1, family, free ? "0 (free)" : f.toFixed(3), own];
+    if (changed) row.push(free ? "–" : now[elastic].toFixed(3));
+    if (!free) elastic++;
+    rows.push(row);
+  }
+  const head = ["rank", "family", "as run [Hz]", "damping [%]"];
+  if (changed) head.push("with the settings [Hz]");
+  return table(`Modes at ${db.header.axis} = ${mm(db.positions[p])} mm`, head, rows);
+}
+
+// MAC between the modes at two positions, on a canvas: rows the first, columns the second.
+function drawMac(canvas, db, p, q, scale) {
+  const [listed, rank] = [db.shape("shape_coefficient")[1], db.shape("shape_coefficient")[2]];
+  const side = Math.max(4, Math.floor(Math.min(canvas.parentElement.clientWidth, 420) / listed));
+  canvas.width = canvas.height = side * listed;
+  const context = canvas.getContext("2d");
+  const colours = scaleColours(scale);
+  const values = [];
+  for (let a = 0; a < listed; a++) {
+    for (let b = 0; b < listed; b++) {
+      const mac = macOf(db, rank, listed, p, a, q, b);
+      values.push(mac);
+      context.fillStyle = `rgb(${colourAt(colours, mac).join(",")})`;
+      context.fillRect(b * side, (listed - 1 - a) * side, side, side);
+    }
+  }
+  const best = [];
+  for (let a = 0; a < listed; a++) best.push(Math.max(...values.slice(a * listed, (a + 1) * listed)));
+  const weakest = best.indexOf(Math.min(...best));
+  canvas.setAttribute("aria-label", `MAC matrix; weakest best match ${best[weakest].toFixed(2)} for rank ${weakest + 1}`);
+  return { values, side, listed };
+}
+
+// What was run, from the manifest.
+function runFacts(manifest) {
+  const rows = [];
+  const add = (name, value) => {
+    if (value !== undefined && value !== null && value !== "") rows.push([name, value]);
+  };
+  add("machine file", manifest.machine_file);
+  add("stiffmap", manifest.version);
+  const { counts = {}, settings = {}, backend = {} } = manifest;
+  for (const key of ["nodes", "elements", "unknowns", "fixed_basis_coordinates", "positions", "frequencies"]) {
+    add(key.replaceAll("_", " "), counts[key]);
+  }
+  add("modes in the map a position", `${counts.modes_in_map_fewest} to ${counts.modes_in_map_most}`);
+  add("damping ratios", (settings.damping_ratios || []).join(", "));
+  add("map computed by", [backend.backend, backend.adapter && backend.adapter.name, backend.precision].filter(Boolean).join(", "));
+  const seconds = Object.values(manifest.seconds || {}).reduce((sum, s) => sum + s, 0);
+  add("seconds", seconds.toFixed(2));
+  const checks = (manifest.checks || []).map((check) => [
+    check.passed ? "passed" : "FAILED",
+    check.name,
+    check.figure.toExponential(1),
+    check.bound.toExponential(1),
+  ]);
+  const hashes = Object.entries(manifest.input_hashes || {}).map(([file, hash]) => [file, hash.slice(0, 16)]);
+  const parts = [
+    table("Run", ["", ""], rows),
+    table("Accuracy", ["", "check", "figure", "bound"], checks),
+    table("Inputs", ["file", "BLAKE3 (first 16 digits)"], hashes),
+  ];
+  const warnings = manifest.warnings || [];
+  if (warnings.length > 0) parts.push(element("ul", {}, ...warnings.map((w) => element("li", { textContent: w }))));
+  return parts;
+}
