@@ -3,17 +3,21 @@
 mod bench;
 mod check;
 mod devices;
+mod figures;
 mod init;
 mod overrides;
 mod progress;
 mod record;
+mod report;
 mod run;
 mod summary;
+mod view;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use stiffmap::export::ExportError;
+use stiffmap::figures::report::ReportError;
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
 use stiffmap::interrupt::Interrupt;
@@ -37,6 +41,10 @@ enum Command {
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
     Init(init::Arguments),
+    /// Draw the pictures and the report page of a result folder again
+    Figures(figures::Arguments),
+    /// Open the report page of a result folder in the browser, or serve it on this machine alone
+    View(view::Arguments),
     /// List the adapters that could compute a map
     Devices(devices::Arguments),
     /// Measure the compliance kernel on the processor and on each adapter
@@ -70,6 +78,8 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
         Command::Run(arguments) => run::run(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
+        Command::Figures(arguments) => figures::figures(&arguments, interrupt),
+        Command::View(arguments) => view::view(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     }
@@ -87,6 +97,7 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error
             .downcast_ref::<FrfError>()
             .is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))
+        || matches!(error.downcast_ref(), Some(ReportError::NoDatabase { .. } | ReportError::Missing { .. }))
         || matches!(error.downcast_ref::<GpuError>(), Some(GpuError::Request(_)));
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
 }

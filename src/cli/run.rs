@@ -1,7 +1,9 @@
 //! `stiffmap run`: the main job.
 
+use super::figures::write_surfaces;
 use super::overrides::Overrides;
 use super::progress::Progress;
+use super::report::{Look, write_report};
 use super::{cache_folder, machine_path, record, summary};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -9,11 +11,8 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::export::manifest::{Check, Manifest};
 use stiffmap::export::{eigenfrequencies, mat, surface};
-use stiffmap::figures::{FigureInput, HeightScale, draw_all};
 use stiffmap::frf::metrics::{PairMetrics, direct_pairs, metrics};
-use stiffmap::frf::{
-    ComplianceMap, FrfRequest, ModalSystem, Quantity, Selection, Truncation, modal_sum, modal_systems,
-};
+use stiffmap::frf::{ComplianceMap, FrfRequest, ModalSystem, Quantity, Selection, Truncation, modal_systems};
 use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision, compute};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, read_machine};
@@ -43,7 +42,7 @@ pub struct Arguments {
     /// Output folder; results/<machine> without it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Draw no pictures
+    /// Draw no pictures and write no report page
     #[arg(long)]
     no_figures: bool,
     /// Neither read nor write the cache of superelements
@@ -194,7 +193,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         StateSpaceOptions { modes: reported, velocity: false, acceleration: false, residual: !arguments.no_residual };
     write(
         &outcome,
-        &request_for_figures(&outcome, &systems),
+        &Look { systems: &systems, model: &model, superelements: &superelements },
         states,
         arguments,
         &mut progress,
@@ -222,7 +221,7 @@ fn undamped_in_band(request: &FrfRequest<'_>) -> Option<f64> {
 /// Writes every file, the manifest last.
 fn write(
     outcome: &Outcome,
-    systems: &FigureRequest<'_>,
+    look: &Look<'_>,
     states: StateSpaceOptions,
     arguments: &Arguments,
     progress: &mut Progress,
@@ -247,69 +246,37 @@ fn write(
         Ok(())
     })?;
     if !arguments.no_figures {
-        let drawn = progress.stage("draw pictures", 0, |_| -> Result<Vec<PathBuf>> {
-            go_on()?;
-            let folder = out.join("figures");
-            std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-            let fine = modal_sum(&systems.request())?;
-            go_on()?;
-            let input = FigureInput {
-                machine: &outcome.machine.name,
-                axis: &outcome.machine.axis.name,
-                families: &outcome.solved.families,
-                map: &fine,
-                height: HeightScale::Linear,
-            };
-            Ok(draw_all(&input, &folder)?)
-        })?;
+        let drawn = progress.stage("draw pictures", 0, |_| look.shown(outcome).draw(out, interrupt))?;
         files.extend(drawn.iter().map(|p| relative(p, out)));
+        go_on()?;
+        let surfaces = progress.stage("write surfaces", 0, |_| -> Result<Vec<PathBuf>> {
+            let mut files = write_surfaces(out, map)?;
+            files.extend(look.write_shapes(outcome)?);
+            Ok(files)
+        })?;
+        files.extend(surfaces.iter().map(|p| relative(p, out)));
+        go_on()?;
+        let database = progress.stage("modal database", 0, |_| look.database(outcome))?;
+        take_seconds(manifest, progress);
+        manifest.files = files.clone();
+        go_on()?;
+        let written = progress.stage("report page", 0, |_| write_report(out, &database, manifest))?;
+        files.extend(written.iter().map(|p| relative(p, out)));
     }
     go_on()?;
     files.push("manifest.json".into());
     manifest.files = files;
-    for (stage, seconds) in progress.seconds() {
-        manifest.seconds.push(stage.clone(), (seconds * 1e4).round() / 1e4);
-    }
+    take_seconds(manifest, progress);
     manifest.write(&out.join("manifest.json"))?;
     Ok(())
 }
 
-/// The request that pictures are drawn from: the same modes on a grid fine enough for narrow peaks.
-struct FigureRequest<'a> {
-    map: &'a ComplianceMap,
-    systems: &'a [ModalSystem],
-    frequencies: Vec<f64>,
-}
-
-impl FigureRequest<'_> {
-    fn request(&self) -> FrfRequest<'_> {
-        FrfRequest {
-            positions: &self.map.positions,
-            systems: self.systems,
-            frequencies: &self.frequencies,
-            outputs: &self.map.outputs,
-            inputs: &self.map.inputs,
-            quantity: Quantity::Receptance,
-        }
+/// The stages' times so far.
+fn take_seconds(manifest: &mut Manifest, progress: &Progress) {
+    manifest.seconds.0.clear();
+    for (stage, seconds) in progress.seconds() {
+        manifest.seconds.push(stage.clone(), (seconds * 1e4).round() / 1e4);
     }
-}
-
-/// Frequencies a picture is made of, at least; a coarser grid is divided.
-const PICTURE_FREQUENCIES: usize = 3600;
-/// Values that a picture's map may hold.
-const PICTURE_VALUES: usize = 6_000_000;
-
-fn request_for_figures<'a>(outcome: &'a Outcome, systems: &'a [ModalSystem]) -> FigureRequest<'a> {
-    let (map, given) = (&outcome.map, &outcome.map.frequencies);
-    let pairs = map.positions.len() * map.outputs.len() * map.inputs.len();
-    let wanted = PICTURE_FREQUENCIES.min(PICTURE_VALUES / pairs.max(1));
-    let divide = (wanted / given.len().max(1)).max(1);
-    let mut frequencies: Vec<f64> = given
-        .windows(2)
-        .flat_map(|w| (0..divide).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / divide as f64))
-        .collect();
-    frequencies.extend(given.last());
-    FigureRequest { map, systems, frequencies }
 }
 
 fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {

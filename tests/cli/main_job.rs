@@ -12,7 +12,17 @@ const FILES: [&str; 8] = [
     "surface_yy.csv",
     "surface_zz.csv",
 ];
-const PICTURES: [&str; 7] = [
+const REPORT: [&str; 8] = [
+    "modal_database.bin",
+    "mode_shapes_z_-300_mm.vtu",
+    "mode_shapes_z_-600_mm.vtu",
+    "mode_shapes_z_0_mm.vtu",
+    "report.html",
+    "surface_xx.vts",
+    "surface_yy.vts",
+    "surface_zz.vts",
+];
+const PICTURES: [&str; 9] = [
     "figures/eigenfrequencies.png",
     "figures/frf_xx_amplitude.png",
     "figures/frf_xx_frequency.png",
@@ -20,6 +30,8 @@ const PICTURES: [&str; 7] = [
     "figures/frf_yy_frequency.png",
     "figures/frf_zz_amplitude.png",
     "figures/frf_zz_frequency.png",
+    "figures/impulse_frequency.png",
+    "figures/impulse_time.png",
 ];
 
 fn assert_checks_passed(manifest: &Value, at_least: usize) {
@@ -53,7 +65,8 @@ fn a_cold_and_a_warm_run_deliver_every_file_and_the_same_numbers() {
         assert!(said.contains(words), "{words:?} is missing in: {said}");
     }
 
-    let mut expected: Vec<PathBuf> = FILES.iter().chain(&PICTURES).map(PathBuf::from).collect();
+    let mut expected: Vec<PathBuf> = FILES.iter().chain(&PICTURES).chain(&REPORT).map(PathBuf::from).collect();
+    expected.extend(PICTURES.map(|p| Path::new(p).with_extension("svg")));
     expected.sort();
     assert_eq!(files_below(cold.path()), expected);
     for picture in PICTURES {

@@ -1,0 +1,83 @@
+//! The report page and the mode shapes for ParaView, as `run` writes them.
+
+use super::figures::Shown;
+use super::run::Outcome;
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use stiffmap::coupling::CoupledModel;
+use stiffmap::export::manifest::Manifest;
+use stiffmap::export::vtu;
+use stiffmap::figures::HeightScale;
+use stiffmap::figures::report::{DATABASE_FILE, Database, DatabaseInput, PAGE_FILE, write_page};
+use stiffmap::frf::ModalSystem;
+use stiffmap::modal::Modes;
+use stiffmap::reduction::Superelement;
+
+/// What pictures and page need besides the outcome.
+pub struct Look<'a> {
+    pub systems: &'a [ModalSystem],
+    pub model: &'a CoupledModel,
+    pub superelements: &'a [Superelement],
+}
+
+impl Look<'_> {
+    /// What pictures of a run show.
+    pub fn shown<'a>(&'a self, outcome: &'a Outcome) -> Shown<'a> {
+        Shown {
+            machine: &outcome.machine.name,
+            axis: &outcome.machine.axis.name,
+            positions: &outcome.map.positions,
+            frequencies: &outcome.map.frequencies,
+            outputs: &outcome.map.outputs,
+            inputs: &outcome.map.inputs,
+            systems: self.systems,
+            families: &outcome.solved.families,
+            height: HeightScale::Linear,
+        }
+    }
+
+    /// The modal database of a run.
+    pub fn database(&self, outcome: &Outcome) -> Result<Database> {
+        let input = DatabaseInput {
+            machine: &outcome.machine,
+            model: self.model,
+            superelements: self.superelements,
+            modes: &outcome.solved.modes,
+            systems: self.systems,
+            families: &outcome.solved.families,
+            table: &outcome.table,
+            free_motions: &outcome.free_motions,
+            metrics: &outcome.metrics,
+        };
+        Ok(Database::new(&input)?)
+    }
+
+    /// Mode shapes at the first, the middle and the last position (`.vtu`); returns the files.
+    pub fn write_shapes(&self, outcome: &Outcome) -> Result<Vec<PathBuf>> {
+        let mut files = Vec::new();
+        for modes in ends_and_middle(&outcome.solved.modes) {
+            let place = format!("{:.3}", 1e3 * modes.position);
+            let place = place.trim_end_matches('0').trim_end_matches('.');
+            let path = outcome.out.join(format!("mode_shapes_{}_{place}_mm.vtu", outcome.machine.axis.name));
+            let listed = modes.free + outcome.machine.analysis.modes;
+            vtu::write_mode_shapes(&path, self.model, self.superelements, modes, listed)?;
+            files.push(path);
+        }
+        Ok(files)
+    }
+}
+
+/// The first, the middle and the last position, each once.
+fn ends_and_middle(modes: &[Modes]) -> Vec<&Modes> {
+    let mut places = vec![0, modes.len() / 2, modes.len().saturating_sub(1)];
+    places.dedup();
+    places.into_iter().filter_map(|p| modes.get(p)).collect()
+}
+
+/// The modal database and the page; returns the files.
+pub fn write_report(out: &Path, database: &Database, manifest: &Manifest) -> Result<Vec<PathBuf>> {
+    let (data, page) = (out.join(DATABASE_FILE), out.join(PAGE_FILE));
+    database.write(&data)?;
+    write_page(&page, database, &serde_json::to_string(manifest)?)?;
+    Ok(vec![data, page])
+}
