@@ -118,17 +118,27 @@ impl CoupledJoint {
     /// # Errors
     /// [`CouplingError::ScrewLength`] if a screw's free length is not positive.
     pub fn stiffness(&self, position: f64, axis: &Axis) -> Result<Vec<f64>, CouplingError> {
-        let one = |spring: &CoupledSpring| match spring.stiffness {
+        self.springs.iter().map(|s| self.stiffness_of(s.stiffness, s.direction, position, axis)).collect()
+    }
+
+    /// A stiffness as the value at a position, N/m or N m/rad.
+    pub(super) fn stiffness_of(
+        &self,
+        stiffness: SpringStiffness,
+        direction: [f64; 3],
+        position: f64,
+        axis: &Axis,
+    ) -> Result<f64, CouplingError> {
+        match stiffness {
             SpringStiffness::Constant(k) => Ok(k),
             SpringStiffness::BallScrew { young, diameter } => {
-                let length = self.length(position, axis, spring.direction);
+                let length = self.length(position, axis, direction);
                 if length.is_nan() || length <= 0.0 {
                     return Err(CouplingError::ScrewLength { joint: self.name.clone(), position, length });
                 }
                 Ok(young * PI * diameter * diameter / (4.0 * length))
             }
-        };
-        self.springs.iter().map(one).collect()
+        }
     }
 }
 

@@ -5,8 +5,12 @@
 //! once and position data are prepared once; an [`Evaluator`] answers designs in batches.
 
 mod design;
+mod modes_route;
+mod prepared;
 
 pub use design::{Design, PartScale};
+pub use modes_route::ModesRoute;
+pub use prepared::{Prepared, Request};
 
 use crate::frf::metrics::PairMetrics;
 
@@ -60,6 +64,12 @@ pub enum SweepError {
         seen: f64,
         /// Values allowed.
         allowed: &'static str,
+    },
+    /// A machine with scaled parts could not be prepared.
+    #[error("with scaled parts: {message}")]
+    Parts {
+        /// Why.
+        message: String,
     },
     /// The work was interrupted.
     #[error("interrupted")]
