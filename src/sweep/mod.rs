@@ -4,13 +4,18 @@
 //! factors, and in factors on the Young's modulus and density of homogeneous parts. Parts are reduced
 //! once and position data are prepared once; an [`Evaluator`] answers designs in batches.
 
+mod bases;
+mod coupling_route;
 mod design;
 mod modes_route;
 mod prepared;
+mod sensitivity;
 
+pub use coupling_route::CouplingRoute;
 pub use design::{Design, PartScale};
 pub use modes_route::ModesRoute;
 pub use prepared::{Prepared, Request};
+pub use sensitivity::Sensitivity;
 
 use crate::frf::metrics::PairMetrics;
 
@@ -71,6 +76,9 @@ pub enum SweepError {
         /// Why.
         message: String,
     },
+    /// The coupling route has no eigenfrequencies.
+    #[error("eigenfrequencies of families need the modes route; leave the families out or write route = \"modes\"")]
+    NeedsModes,
     /// The work was interrupted.
     #[error("interrupted")]
     Interrupted,
