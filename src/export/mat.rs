@@ -35,7 +35,7 @@ pub fn write_compliance(path: &Path, map: &ComplianceMap) -> Result<(), ExportEr
     check_axis(path, "frequency", &map.frequencies)?;
     check_map(path, map)?;
     let (re, im) = column_major(&map.values, dims);
-    let name = response::quantity_name(map.quantity);
+    let name = map.quantity.name();
     mat5::write(
         path,
         &[
@@ -162,7 +162,7 @@ fn check_map(path: &Path, map: &ComplianceMap) -> Result<(), ExportError> {
         path: path.into(),
         what: format!(
             "the {} from {} to {} at {} m and {} Hz",
-            response::quantity_name(map.quantity),
+            map.quantity.name(),
             map.inputs[pair % n_in],
             map.outputs[pair / n_in],
             map.positions[p],

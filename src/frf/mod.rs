@@ -8,6 +8,7 @@
 
 mod error;
 pub mod grid;
+mod grid_search;
 mod kernel;
 mod map;
 pub mod metrics;
@@ -21,6 +22,7 @@ mod truncation;
 
 pub use error::FrfError;
 pub use grid::FrequencyGrid;
+pub use grid_search::GridSearch;
 pub use map::ComplianceMap;
 pub(crate) use modal_sum::zeros;
 pub use modal_sum::{modal_sum, modal_sum_into, modal_sum_tiles};

@@ -12,6 +12,7 @@ mod analysis;
 mod axis;
 mod bundled;
 mod error;
+mod frequencies;
 mod interfaces;
 mod joint_kinds;
 mod joints;
@@ -25,6 +26,7 @@ mod springs;
 mod table;
 
 pub use bundled::bundled_vertical_mill;
+pub use frequencies::{DEFAULT_BACKGROUND, DEFAULT_POINTS, logarithmic_frequencies, uniform_frequencies};
 pub use error::{MachineError, Place};
 pub use model::*;
 pub use nearest::nearest;
