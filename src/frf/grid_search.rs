@@ -22,6 +22,7 @@ pub struct GridSearch {
     pairs: Vec<(usize, usize)>,
     n_inputs: usize,
     values_per_pair: usize,
+    n_positions: usize,
     /// `[position, pair]`.
     best: Vec<Best>,
 }
@@ -39,7 +40,7 @@ impl GridSearch {
         pairs: &[(usize, usize)],
     ) -> GridSearch {
         let best = vec![NOTHING; n_positions * pairs.len()];
-        GridSearch { pairs: pairs.to_vec(), n_inputs, values_per_pair, best }
+        GridSearch { pairs: pairs.to_vec(), n_inputs, values_per_pair, n_positions, best }
     }
 
     /// Looks at a tile. Of equal values the lowest frequency is kept, if tiles come in order.
@@ -60,9 +61,8 @@ impl GridSearch {
 
     /// What was found, `[position][pair]`.
     pub fn finish(self) -> Vec<Vec<GridExtrema>> {
-        let n_positions = self.best.len() / self.pairs.len().max(1);
         let row = |p: usize| self.best[p * self.pairs.len()..][..self.pairs.len()].iter().map(|b| b.at).collect();
-        (0..n_positions).map(row).collect()
+        (0..self.n_positions).map(row).collect()
     }
 }
 
