@@ -45,7 +45,8 @@ pub(super) fn read_frequencies(item: &Item<'_>) -> Result<(Vec<f64>, Grid)> {
         Some((_, "logarithmic")) => Ok((read_logarithmic(table)?, Grid::Logarithmic)),
         Some((_, "clustered")) => read_clustered(table),
         Some((kind, _)) => {
-            Err(kind.refuse("\"uniform\", \"logarithmic\" or \"clustered\"", "write one of them, or a list of frequencies"))
+            Err(kind
+                .refuse("\"uniform\", \"logarithmic\" or \"clustered\"", "write one of them, or a list of frequencies"))
         }
     }
 }

@@ -26,8 +26,8 @@ mod springs;
 mod table;
 
 pub use bundled::bundled_vertical_mill;
-pub use frequencies::{DEFAULT_BACKGROUND, DEFAULT_POINTS, logarithmic_frequencies, uniform_frequencies};
 pub use error::{MachineError, Place};
+pub use frequencies::{DEFAULT_BACKGROUND, DEFAULT_POINTS, logarithmic_frequencies, uniform_frequencies};
 pub use model::*;
 pub use nearest::nearest;
 pub use quantity::{Dimension, QuantityError, parse_quantity};
