@@ -82,8 +82,9 @@ fn the_machine_file_names_grid_and_quantity() {
     mill.replace(
         "machine.toml",
         "frequencies = { from = \"0 Hz\", to = \"900 Hz\", step = \"1 Hz\" }",
-        "frequencies = { grid = \"clustered\", from = \"20 Hz\", to = \"60 Hz\", background = 5 }\nquantity = \"mobility\"",
+        "frequencies = { grid = \"clustered\", from = \"20 Hz\", to = \"60 Hz\", background = 5 }",
     );
+    mill.replace("machine.toml", "quantity = \"receptance\"", "quantity = \"mobility\"");
     let mut run = stiffmap(warm_cache());
     run.arg("run").arg(mill.0.path()).args(["--no-figures", "--positions", "0,-0.6", "--out"]).arg(out.path());
     let run = run.output().unwrap();
