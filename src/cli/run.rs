@@ -5,14 +5,14 @@ use super::memory::{map_limit, parse_size};
 use super::overrides::Overrides;
 use super::pictures::picture_map;
 use super::progress::Progress;
-use super::{cache_folder, frequencies, machine_path, record, summary};
+use super::{UsageError, cache_folder, frequencies, machine_path, record, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use stiffmap::export::manifest::{Check, Manifest};
-use stiffmap::export::{eigenfrequencies, mat};
+use stiffmap::export::{eigenfrequencies, mat, mat5};
 use stiffmap::figures::{FigureInput, HeightScale, draw_all};
 use stiffmap::frf::metrics::PairMetrics;
 use stiffmap::frf::{FrfRequest, ModalSystem, Selection, Truncation, modal_systems};
@@ -124,6 +124,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let (outputs, inputs) = (model.output_names(), model.input_names());
     let (given, quantity) = (machine.analysis.frequencies.clone(), machine.analysis.quantity);
     let mut axes = Axes { positions, frequencies: given, outputs, inputs, quantity };
+    check_state_space(axes.positions.len(), reported)?;
     let limit = map_limit(arguments.map_memory);
     let shapes = (axes.positions.len() * model.n() * model.n() * size_of::<f64>()) as u64;
     let solve = if axes.bytes() + shapes > limit { pipeline::solve_many_positions } else { pipeline::solve_positions };
@@ -211,6 +212,19 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         summary::print(&outcome, &manifest, &progress);
     }
     Ok(())
+}
+
+/// Refuses before the long computation what `state_space.mat` could not hold after it.
+fn check_state_space(positions: usize, modes: usize) -> Result<(), UsageError> {
+    let bytes = positions as u64 * (2 * modes as u64).pow(2) * size_of::<f64>() as u64;
+    if bytes <= mat5::LIMIT {
+        return Ok(());
+    }
+    Err(UsageError(format!(
+        "{positions} positions of {modes} modes make a state_space.mat of {:.1} GB, whose format holds 2.1 GB; \
+         ask for fewer positions (--positions) or modes ([analysis] modes)",
+        bytes as f64 * 1e-9
+    )))
 }
 
 /// Frequency (Hz) of a mode inside the grid's range that nothing damps: its peak is unbounded.

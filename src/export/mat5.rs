@@ -130,13 +130,13 @@ pub struct Structs<'a> {
 /// What [`Structs::visit`] hands a struct's values to.
 pub type Visitor<'v> = dyn FnMut(&[Value<'_>]) -> Result<(), ExportError> + 'v;
 
-/// Writes a struct array of any length in the memory of one struct, and variables behind it; as [`write`].
+/// Writes a struct array of any length in the memory of one struct, and variables behind it; as [`write()`].
 ///
 /// # Errors
-/// As [`write`], and whatever `visit` returns.
+/// As [`write()`], and whatever `visit` returns.
 ///
 /// # Panics
-/// As [`write`].
+/// As [`write()`].
 pub fn write_structs(path: &Path, structs: &Structs, variables: &[(&str, Value)]) -> Result<(), ExportError> {
     let empty = Value::Structs { fields: structs.fields.clone(), values: Vec::new() };
     let mut bytes = body_size(structs.name, &empty);

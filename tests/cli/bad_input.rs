@@ -232,3 +232,14 @@ fn an_unknown_subcommand_or_flag() {
         assert_refused(&run, &out, words);
     }
 }
+
+#[test]
+fn more_positions_than_a_state_space_file_holds() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_into(warm_cache(), out.path(), &["--positions", "0:-0.6:0.000005"]);
+    let said = stderr(&run);
+    assert_eq!(run.status.code(), Some(2), "{said}");
+    assert!(said.contains("120001 positions of 30 modes") && said.contains("state_space.mat"), "{said}");
+    assert!(!said.contains("modes   "), "before the long computation: {said}");
+    assert!(files_below(out.path()).is_empty());
+}
