@@ -3,8 +3,12 @@
 mod bench;
 mod check;
 mod devices;
+mod frequencies;
 mod init;
+mod map;
+mod memory;
 mod overrides;
+mod pictures;
 mod progress;
 mod record;
 mod run;
@@ -84,10 +88,12 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error.is::<MachineError>()
         || error.is::<MeshError>()
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
-        || error
-            .downcast_ref::<FrfError>()
-            .is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))
-        || matches!(error.downcast_ref::<GpuError>(), Some(GpuError::Request(_)));
+        || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
+            (Some(e), _) | (_, Some(GpuError::Request(e))) => {
+                !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. })
+            }
+            _ => false,
+        };
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
 }
 
