@@ -3,12 +3,16 @@
 mod bench;
 mod check;
 mod devices;
+mod evaluator;
 mod init;
 mod overrides;
 mod progress;
 mod record;
 mod run;
 mod summary;
+mod sweep;
+mod sweep_files;
+mod sweep_progress;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -20,6 +24,7 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
+use stiffmap::sweep::{StudyError, TableError};
 
 /// Dynamic stiffness of a machine tool over its whole work volume.
 #[derive(Parser, Debug)]
@@ -33,6 +38,8 @@ pub struct Cli {
 enum Command {
     /// The main job: from the machine file to modes, state space, compliance map and pictures
     Run(run::Arguments),
+    /// Evaluate the designs of a study: a table with one row a design
+    Sweep(sweep::Arguments),
     /// Print what is understood of a machine, without solving
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
@@ -68,6 +75,7 @@ pub struct UsageError(pub String);
 pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
     match cli.command {
         Command::Run(arguments) => run::run(&arguments, interrupt),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),
@@ -83,6 +91,8 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
     let input = error.is::<UsageError>()
         || error.is::<MachineError>()
         || error.is::<MeshError>()
+        || error.is::<StudyError>()
+        || error.downcast_ref::<TableError>().is_some_and(TableError::is_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
         || error
             .downcast_ref::<FrfError>()

@@ -5,8 +5,28 @@
 //! once and position data are prepared once; an [`Evaluator`] answers designs in batches.
 
 mod design;
+pub mod direct;
+pub mod goals;
+pub mod metrics;
+pub mod optimise;
+pub mod pareto;
+pub mod paths;
+mod random;
+pub mod room;
+pub mod runner;
+pub mod sampling;
+pub mod shards;
+pub mod sobol;
+mod study;
+mod study_error;
+pub mod table;
+mod table_error;
+pub mod variables;
 
 pub use design::{Design, PartScale};
+pub use study::{Study, read_study};
+pub use study_error::StudyError;
+pub use table_error::TableError;
 
 use crate::frf::metrics::PairMetrics;
 
