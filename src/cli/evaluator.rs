@@ -5,12 +5,10 @@ use super::progress::Progress;
 use super::run::mesh_warnings;
 use anyhow::Result;
 use clap::ValueEnum;
-use stiffmap::coupling::CoupledModel;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::pipeline;
 use stiffmap::reduction::{Cache, Superelement};
-use stiffmap::sweep::direct::ModesDirect;
-use stiffmap::sweep::{Evaluator, Study};
+use stiffmap::sweep::{Evaluator, ModesRoute, Request, Study};
 
 /// The route asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -21,16 +19,15 @@ pub enum Route {
     Modes,
 }
 
-/// The nominal machine, reduced and coupled.
-pub struct Prepared {
+/// The parts of a study's machine, reduced.
+pub struct Reduced {
     pub superelements: Vec<Superelement>,
-    pub model: CoupledModel,
     pub warnings: Vec<String>,
     pub parts_from_cache: usize,
 }
 
-/// Reduces the parts of a study's machine and couples them for its band and families.
-pub fn prepare(study: &Study, no_cache: bool, progress: &mut Progress, interrupt: &Interrupt) -> Result<Prepared> {
+/// Reduces the parts of a study's machine.
+pub fn reduce(study: &Study, no_cache: bool, progress: &mut Progress, interrupt: &Interrupt) -> Result<Reduced> {
     let machine = &study.machine;
     let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(machine))?;
     let mut warnings = mesh_warnings(machine, &meshes);
@@ -41,19 +38,27 @@ pub fn prepare(study: &Study, no_cache: bool, progress: &mut Progress, interrupt
     warnings.extend(pipeline::cache_warnings(&cached));
     let parts_from_cache = cached.iter().filter(|c| c.hit).count();
     let superelements: Vec<_> = cached.into_iter().map(|c| c.superelement).collect();
-    let reported = study.families.iter().copied().max().unwrap_or(1);
-    let (model, _) =
-        progress.stage("couple", 0, |_| pipeline::build_model(machine, &superelements, reported, study.band[1]))?;
-    warnings.extend(model.side_by_side.overhangs());
-    Ok(Prepared { superelements, model, warnings, parts_from_cache })
+    Ok(Reduced { superelements, warnings, parts_from_cache })
 }
 
 /// The evaluator of a route, and why it was chosen.
-pub fn choose(study: &Study, prepared: &Prepared, route: Route) -> Result<(Box<dyn Evaluator>, String)> {
+pub fn choose<'a>(
+    study: &'a Study,
+    superelements: &'a [Superelement],
+    route: Route,
+    interrupt: &'a Interrupt,
+) -> Result<(Box<dyn Evaluator + 'a>, String)> {
     let why = match route {
         Route::Auto => "the only route",
         Route::Modes => "asked for",
     };
-    let evaluator = ModesDirect::new(prepared.model.clone(), &study.positions, &study.frequencies(), &study.families)?;
+    let request = Request {
+        positions: study.positions.clone(),
+        frequencies: study.frequencies(),
+        families: study.families.clone(),
+        highest: study.band[1],
+        tracked: study.families.iter().copied().max().unwrap_or(0),
+    };
+    let evaluator = ModesRoute::new(&study.machine, superelements, request, &study.probes(), interrupt)?;
     Ok((Box::new(evaluator), why.to_owned()))
 }

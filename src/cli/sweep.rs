@@ -1,7 +1,7 @@
 //! `stiffmap sweep`: the designs of a study, one row each.
 
 use super::UsageError;
-use super::evaluator::{Prepared, Route, choose, prepare};
+use super::evaluator::{Reduced, Route, choose, reduce};
 use super::progress::Progress;
 use super::run::slug;
 use super::sweep_files::{Finished, write_results};
@@ -74,8 +74,9 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         Record::new(&study, &before.route, shard)?.check_same(before, &out, true)?;
     }
 
-    let prepared = prepare(&study, arguments.no_cache, &mut progress, interrupt)?;
-    let (evaluator, why) = choose(&study, &prepared, arguments.route)?;
+    let reduced = reduce(&study, arguments.no_cache, &mut progress, interrupt)?;
+    let (evaluator, why) = progress
+        .stage("prepare positions", 0, |_| choose(&study, &reduced.superelements, arguments.route, interrupt))?;
     let record = Record::new(&study, evaluator.route(), shard)?;
     let table = out.join(TABLE);
     let mut rows: Vec<Row> = Vec::new();
@@ -104,7 +105,7 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     }
     drop(store);
 
-    let mut manifest = begin_manifest(&study, &record, &prepared);
+    let mut manifest = begin_manifest(&study, &record, &reduced);
     manifest.settings.push("route", json!(evaluator.route()));
     manifest.settings.push("route_why", json!(why));
     let counts = &mut manifest.counts;
@@ -121,22 +122,21 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         rows: &rows,
         whole: shard == Shard::WHOLE,
         evaluator: Some(evaluator.as_ref()),
-        superelements: &prepared.superelements,
+        superelements: &reduced.superelements,
         out: &out,
     };
     write_results(&finished, arguments, manifest, &mut progress, interrupt)
 }
 
-fn begin_manifest(study: &Study, record: &Record, prepared: &Prepared) -> Manifest {
+fn begin_manifest(study: &Study, record: &Record, reduced: &Reduced) -> Manifest {
     let mut manifest = Manifest {
         name: study.name.clone(),
         machine_file: study.machine.file.display().to_string(),
-        warnings: prepared.warnings.clone(),
+        warnings: reduced.warnings.clone(),
         ..Manifest::default()
     };
     describe(study, record, &mut manifest);
-    manifest.counts.push("fixed_basis_coordinates", prepared.model.n() as u64);
-    manifest.counts.push("parts_from_cache", prepared.parts_from_cache as u64);
+    manifest.counts.push("parts_from_cache", reduced.parts_from_cache as u64);
     manifest
 }
 

@@ -93,7 +93,8 @@ pub fn write_results(
 /// The whole map of a design: its machine coupled from its parts, on the machine's frequency grid.
 fn design_map(study: &Study, superelements: &[Superelement], index: u64) -> Result<ComplianceMap> {
     let design = study.design(&study.values(index));
-    let parts: Vec<Superelement> = superelements.iter().zip(&design.parts).map(|(s, scale)| scale.of(s)).collect();
+    let parts: Vec<Superelement> =
+        superelements.iter().zip(&design.parts).map(|(s, scale)| s.scaled(scale.young, scale.density)).collect();
     let machine = &design.machine;
     let frequencies = &machine.analysis.frequencies;
     let highest = frequencies.iter().copied().fold(0.0, f64::max);

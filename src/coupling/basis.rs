@@ -9,7 +9,7 @@
 
 use super::CouplingError;
 use super::side_by_side::SideBySide;
-use crate::linalg::{multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
+use crate::linalg::{LinalgError, multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -36,7 +36,7 @@ impl BasisOptions {
 }
 
 /// Designs may stiffen a joint up to this factor without a new basis.
-const STIFFEST: f64 = 4.0;
+pub(super) const STIFFEST: f64 = 4.0;
 
 /// Training positions lie at most this share of the shortest footprint apart.
 const SPACING: f64 = 0.28;
@@ -76,14 +76,9 @@ impl FixedBasis {
             Self { low, high, high_eigenvalues, directions: DMatrix::zeros(0, 0), eigenvalues: DVector::zeros(0) };
         let responses = basis.training_responses(machine, (TAU * options.frequency).powi(2))?;
         let span = orthonormal_span(&responses, options.tolerance)?;
-        let mut weighted = span.clone();
-        for (mut row, l) in weighted.row_iter_mut().zip(&basis.high_eigenvalues) {
-            row *= *l;
-        }
-        let stiffness = multiply_transposed(&span, &weighted);
-        let eigen = symmetric_eigen(&(0.5 * (&stiffness + stiffness.transpose())))?;
-        basis.directions = multiply(&span, &eigen.vectors);
-        let kept = basis.low.iter().map(|&i| machine.eigenvalues[i]).chain(eigen.values.iter().copied());
+        let (directions, values) = stiffness_axes(&span, &basis.high_eigenvalues)?;
+        basis.directions = directions;
+        let kept = basis.low.iter().map(|&i| machine.eigenvalues[i]).chain(values.iter().copied());
         basis.eigenvalues = DVector::from_vec(kept.collect());
         Ok(basis)
     }
@@ -94,16 +89,7 @@ impl FixedBasis {
         let lambda = &self.high_eigenvalues;
         let mut columns: Vec<DVector<f64>> = Vec::new();
         let mut push = |row: &[f64], flexibility: f64| {
-            let unit = (row.iter().zip(lambda).map(|(b, l)| b * b / l).sum::<f64>() + flexibility).sqrt();
-            if unit > 0.0 {
-                let scale = omega_squared.sqrt() / unit;
-                let first = DVector::from_iterator(row.len(), row.iter().zip(lambda).map(|(b, l)| scale * b / l));
-                columns.push(DVector::from_iterator(
-                    row.len(),
-                    first.iter().zip(lambda).map(|(v, l)| v * omega_squared / l),
-                ));
-                columns.push(first);
-            }
+            columns.extend(inertia_columns(row, lambda, flexibility, omega_squared).into_iter().flatten());
         };
         for port in machine.outputs.iter().chain(&machine.inputs) {
             push(&self.high.iter().map(|&i| port.row[i]).collect::<Vec<_>>(), 0.0);
@@ -198,6 +184,34 @@ impl FixedBasis {
     fn high_of(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         DMatrix::from_fn(rows.nrows(), self.high.len(), |s, k| rows[(s, self.high[k])])
     }
+}
+
+/// Columns omega^3 Lambda^-2 b and omega Lambda^-1 b of a row over coordinates with eigenvalues lambda, relative to
+/// the root of a flexibility in series with the row's own; none if both are zero.
+pub(super) fn inertia_columns(
+    row: &[f64],
+    lambda: &[f64],
+    flexibility: f64,
+    omega_squared: f64,
+) -> Option<[DVector<f64>; 2]> {
+    let unit = (row.iter().zip(lambda).map(|(b, l)| b * b / l).sum::<f64>() + flexibility).sqrt();
+    (unit > 0.0).then(|| {
+        let scale = omega_squared.sqrt() / unit;
+        let first = DVector::from_iterator(row.len(), row.iter().zip(lambda).map(|(b, l)| scale * b / l));
+        let second = first.iter().zip(lambda).map(|(v, l)| v * omega_squared / l);
+        [DVector::from_iterator(row.len(), second), first]
+    })
+}
+
+/// The orthonormal directions of a span that diagonalise diag(lambda), and their eigenvalues.
+pub(super) fn stiffness_axes(span: &DMatrix<f64>, lambda: &[f64]) -> Result<(DMatrix<f64>, DVector<f64>), LinalgError> {
+    let mut weighted = span.clone();
+    for (mut row, l) in weighted.row_iter_mut().zip(lambda) {
+        row *= *l;
+    }
+    let stiffness = multiply_transposed(span, &weighted);
+    let eigen = symmetric_eigen(&(0.5 * (&stiffness + stiffness.transpose())))?;
+    Ok((multiply(span, &eigen.vectors), eigen.values))
 }
 
 /// Positions over the whole travel, at most a fraction of a footprint apart.

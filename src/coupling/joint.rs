@@ -116,20 +116,17 @@ impl CoupledJoint {
     /// Stiffness of each spring, N/m or N m/rad.
     ///
     /// # Errors
-    /// As [`CoupledJoint::stiffness_as`].
+    /// [`CouplingError::ScrewLength`] and [`CouplingError::ScrewSpan`] if a screw's free length is not between 0 and
+    /// the distance of its supports.
     pub fn stiffness(&self, position: f64, axis: &Axis) -> Result<Vec<f64>, CouplingError> {
         self.springs
             .iter()
-            .map(|spring| self.stiffness_as(spring.stiffness, spring.direction, position, axis))
+            .map(|spring| self.stiffness_of(spring.stiffness, spring.direction, position, axis))
             .collect()
     }
 
-    /// Stiffness that a spring along a direction of this joint would have, N/m or N m/rad.
-    ///
-    /// # Errors
-    /// [`CouplingError::ScrewLength`] and [`CouplingError::ScrewSpan`] if a screw's free length is not between 0 and
-    /// the distance of its supports.
-    pub fn stiffness_as(
+    /// A stiffness as the value at a position, N/m or N m/rad; errors as of [`CoupledJoint::stiffness`].
+    pub(super) fn stiffness_of(
         &self,
         stiffness: SpringStiffness,
         direction: [f64; 3],

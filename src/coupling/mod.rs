@@ -13,16 +13,18 @@
 //! neighbourhood, the inertia of the joints' static responses over the whole travel, and, in series
 //! with the joints, the static flexibility of all the rest, exact at every position.
 
+mod around;
 mod basis;
 mod joint;
 mod model;
 mod side_by_side;
 mod training;
 
+pub use around::{Around, AroundCoupled};
 pub use basis::{BasisOptions, ResidualEnergy};
 pub use joint::{CoupledJoint, CoupledSpring};
 pub(crate) use joint::{check_screw, free_length, overhang};
-pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};
+pub use model::{AtPosition, Coupled, CoupledModel, PartShare, SpringValues, couple};
 pub use side_by_side::{PortRow, SideBySide};
 pub use training::reduction_requests;
 

@@ -27,4 +27,4 @@ pub use modal_sum::{modal_sum, modal_sum_into, modal_sum_tiles};
 pub use packing::{Denominator, PackedSystem, Packing};
 pub use request::{FrfRequest, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, ModalSystem, Quantity};
 pub use tiles::{Sink, SinkError, Tile, TileLimits, TileRange, tiles};
-pub use truncation::{Selection, Truncation, modal_systems};
+pub use truncation::{Selection, Truncation, full_system, modal_systems};

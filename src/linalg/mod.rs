@@ -12,7 +12,7 @@ mod sparse;
 pub use cholesky::{Cholesky, Indefinite};
 pub use dense::{
     SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal_span,
-    symmetric_eigen, symmetric_eigen_polished,
+    symmetric_eigen, symmetric_eigen_low, symmetric_eigen_polished,
 };
 pub use lanczos::{LanczosOptions, Spectrum, lowest_modes};
 pub use ordering::Ordering;

@@ -106,6 +106,23 @@ pub struct ReducedRail {
     pub basis: DMatrix<f64>,
 }
 
+impl Superelement {
+    /// The part with its Young's modulus and density multiplied by factors, if it is of one material: its shapes
+    /// stay, its eigenvalues follow E/rho and its mass-normalised rows rho^(-1/2).
+    pub fn scaled(&self, young: f64, density: f64) -> Self {
+        let mut scaled = self.clone();
+        let row = density.sqrt().recip();
+        scaled.eigenvalues.iter_mut().for_each(|l| *l *= young / density);
+        scaled.interfaces.iter_mut().for_each(|i| i.rows *= row);
+        scaled.rails.iter_mut().for_each(|r| r.basis *= row);
+        scaled.component_frequencies.iter_mut().for_each(|f| *f *= (young / density).sqrt());
+        scaled.impulses *= density.sqrt();
+        scaled.mass *= density;
+        scaled.inertia *= density;
+        scaled
+    }
+}
+
 impl ReductionRequest {
     /// Coordinates that the reduced part has at most; `surfaces` are those of its interfaces.
     pub fn most_coordinates(&self, surfaces: &[Surface]) -> usize {

@@ -1,7 +1,6 @@
 //! One design of a sweep.
 
 use crate::machine::Machine;
-use crate::reduction::Superelement;
 
 /// A machine whose springs, dampers, loss factors and homogeneous parts differ from the nominal one's.
 #[derive(Clone, Debug)]
@@ -24,25 +23,6 @@ pub struct PartScale {
 impl PartScale {
     /// The part as it is.
     pub const NOMINAL: Self = Self { young: 1.0, density: 1.0 };
-
-    /// The superelement of the part with its scaled material: M = I again, with mode shapes divided by the root of
-    /// the density's factor.
-    ///
-    /// ```text
-    /// lambda' = lambda e / rho        rows' = rows / sqrt(rho)
-    /// ```
-    pub fn of(self, part: &Superelement) -> Superelement {
-        let mut scaled = part.clone();
-        let shapes = self.density.sqrt().recip();
-        scaled.eigenvalues.iter_mut().for_each(|l| *l *= self.young / self.density);
-        scaled.component_frequencies.iter_mut().for_each(|f| *f *= (self.young / self.density).sqrt());
-        scaled.interfaces.iter_mut().for_each(|interface| interface.rows *= shapes);
-        scaled.rails.iter_mut().for_each(|rail| rail.basis *= shapes);
-        scaled.impulses /= shapes;
-        scaled.mass *= self.density;
-        scaled.inertia *= self.density;
-        scaled
-    }
 }
 
 impl Design {

@@ -5,12 +5,13 @@
 //! once and position data are prepared once; an [`Evaluator`] answers designs in batches.
 
 mod design;
-pub mod direct;
 pub mod goals;
 pub mod metrics;
+mod modes_route;
 pub mod optimise;
 pub mod pareto;
 pub mod paths;
+mod prepared;
 mod random;
 pub mod room;
 pub mod runner;
@@ -24,6 +25,8 @@ mod table_error;
 pub mod variables;
 
 pub use design::{Design, PartScale};
+pub use modes_route::ModesRoute;
+pub use prepared::{Prepared, Request};
 pub use study::{Study, read_study};
 pub use study_error::StudyError;
 pub use table_error::TableError;
@@ -80,6 +83,12 @@ pub enum SweepError {
         seen: f64,
         /// Values allowed.
         allowed: &'static str,
+    },
+    /// A machine with scaled parts could not be prepared.
+    #[error("with scaled parts: {message}")]
+    Parts {
+        /// Why.
+        message: String,
     },
     /// The work was interrupted.
     #[error("interrupted")]

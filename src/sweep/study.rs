@@ -54,6 +54,12 @@ impl Study {
         design(&self.machine, &self.variables, values)
     }
 
+    /// Two designs that differ from each other in every place that is varied.
+    pub fn probes(&self) -> Vec<Design> {
+        let ends = [0.0, 1.0].map(|place| self.variables.iter().map(|v| v.at(place)).collect::<Vec<f64>>());
+        ends.iter().map(|values| self.design(values)).collect()
+    }
+
     /// The machine's own value of each variable, where it has one.
     pub fn nominal(&self) -> Vec<Option<f64>> {
         self.variables.iter().map(|v| v.nominal).collect()
