@@ -83,7 +83,7 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let (mut store, done) = match before.filter(|_| arguments.resume) {
         Some(before) => {
             record.check_same(&before, &out, true)?;
-            Store::open(&table, &study, &range, &mut |row| rows.push(row))?
+            Store::open(&table, &study, &range, &|i| Some(study.values(i)), &mut |row| rows.push(row))?
         }
         None => {
             write_record(&record, &out)?;
@@ -170,7 +170,7 @@ fn join(arguments: &Arguments, study: &Study, out: &Path, mut progress: Progress
     }
     refuse_unfinished(arguments, study, out, Record::read(out)?.as_ref())?;
     let mut rows: Vec<Row> = Vec::new();
-    read_rows(&table, study, &text, &(0..study.sampling.designs), &mut |row| rows.push(row))?;
+    read_rows(&table, study, &text, &(0..study.sampling.designs), &|_| None, &mut |row| rows.push(row))?;
     write_bytes(&table, &text)?;
     write_record(&record, out)?;
     let mut manifest = Manifest {

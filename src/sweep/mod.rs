@@ -6,6 +6,7 @@
 
 mod design;
 pub mod goals;
+pub mod machine_values;
 pub mod metrics;
 mod modes_route;
 pub mod optimise;

@@ -182,7 +182,7 @@ pub fn merge(study: &Study, folders: &[PathBuf]) -> Result<(Record, Vec<u8>), Ta
             let reason = "its columns are not this study's".to_owned();
             return Err(TableError::Damaged { path, line: 1, reason });
         }
-        let (end, rows) = read_rows(&path, study, &table, &range, &mut |_| {})?;
+        let (end, rows) = read_rows(&path, study, &table, &range, &|i| Some(study.values(i)), &mut |_| {})?;
         if rows < range.end - range.start {
             let why = format!("{} is not finished; continue it with --resume", folder.display());
             return gap(range.start + rows, range.end, why);

@@ -135,7 +135,7 @@ pub fn read_study(path: &Path) -> Result<Study, StudyError> {
             [grid[0], grid[grid.len() - 1]]
         }
     };
-    let search = read_search(&root, &objectives, &variables)?;
+    let search = read_search(&root, &objectives)?;
     let whole = root.item.clone();
     root.finish()?;
     let file = path.to_path_buf();

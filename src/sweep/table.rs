@@ -87,24 +87,27 @@ impl Row {
         csv_line(&self.cells(study))
     }
 
-    /// Reads a row from the cells of its line, which must be the design's of that index.
+    /// Reads a row from the cells of its line.
     ///
     /// # Errors
     /// What is wrong with the line, in words.
-    pub fn parse(study: &Study, index: u64, cells: &csv::ByteRecord) -> Result<Row, String> {
-        let values = study.values(index);
-        let expected = beginning(study, index, &values);
-        let n_results = study.result_columns().len();
-        let columns = expected.len() + n_results + 2;
+    pub fn parse(study: &Study, cells: &csv::ByteRecord) -> Result<Row, String> {
+        let (n_values, n_results) = (study.variables.len(), study.result_columns().len());
+        let columns = 1 + n_values + n_results + 2;
         if cells.len() != columns {
             return Err(format!("it has {} cells, expected {columns}", cells.len()));
         }
-        for (seen, expected) in cells.iter().zip(&expected) {
-            if seen != expected.as_bytes() {
-                return Err(format!("found {:?} in place of {expected:?}", String::from_utf8_lossy(seen)));
-            }
-        }
         let text = |at: usize| std::str::from_utf8(&cells[at]).map_err(|_| format!("cell {} is not UTF-8", at + 1));
+        let index = text(0)?.parse().map_err(|_| format!("{:?} is not the number of a design", cells[0].to_vec()))?;
+        let read = |(at, variable): (usize, &super::variables::Variable)| {
+            let cell = text(1 + at)?;
+            variable.read(cell).ok_or_else(|| format!("{cell:?} is no value of {}", variable.name))
+        };
+        let values = study.variables.iter().enumerate().map(read).collect::<Result<Vec<f64>, String>>()?;
+        let expected = beginning(study, index, &values);
+        if let Some((seen, expected)) = cells.iter().zip(&expected).find(|(seen, e)| *seen != e.as_bytes()) {
+            return Err(format!("found {:?} in place of {expected:?}", String::from_utf8_lossy(seen)));
+        }
         let mut results = Vec::with_capacity(n_results);
         for at in expected.len()..expected.len() + n_results {
             let cell = text(at)?;
@@ -146,6 +149,9 @@ pub fn header(study: &Study) -> Vec<u8> {
     csv_line(&names.chain(["bounds_met".to_owned(), "error".to_owned()]).collect::<Vec<_>>())
 }
 
+/// The values that the design of an index must have, where they are known in advance.
+pub type Expected<'a> = &'a dyn Fn(u64) -> Option<Vec<f64>>;
+
 /// A table that grows, locked against other processes.
 #[derive(Debug)]
 pub struct Store {
@@ -174,6 +180,7 @@ impl Store {
         path: &Path,
         study: &Study,
         range: &Range<u64>,
+        expected: Expected<'_>,
         seen: &mut dyn FnMut(Row),
     ) -> Result<(Store, u64), TableError> {
         let mut store = Store::locked(path)?;
@@ -189,7 +196,7 @@ impl Store {
             let reason = "its columns are not this study's".to_owned();
             return Err(TableError::Damaged { path: path.to_path_buf(), line: 1, reason });
         }
-        let (whole, rows) = read_rows(path, study, &text, range, seen)?;
+        let (whole, rows) = read_rows(path, study, &text, range, expected, seen)?;
         store.file.set_len(whole).map_err(io(path, "cut the torn row off"))?;
         store.file.seek(SeekFrom::End(0)).map_err(io(path, "continue"))?;
         Ok((store, rows))
@@ -219,12 +226,13 @@ impl Store {
 /// rows, and their number.
 ///
 /// # Errors
-/// [`TableError::Damaged`] for a row that ends with a line break and is not the design's.
+/// [`TableError::Damaged`] for a row that ends with a line break and is not the one expected.
 pub fn read_rows(
     path: &Path,
     study: &Study,
     text: &[u8],
     range: &Range<u64>,
+    expected: Expected<'_>,
     seen: &mut dyn FnMut(Row),
 ) -> Result<(u64, u64), TableError> {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text);
@@ -247,7 +255,14 @@ pub fn read_rows(
         if index >= range.end {
             return Err(damaged(line, format!("the sweep ends with design {}", range.end - 1)));
         }
-        seen(Row::parse(study, index, &record).map_err(|reason| damaged(line, reason))?);
+        let row = Row::parse(study, &record).map_err(|reason| damaged(line, reason))?;
+        if row.index != index {
+            return Err(damaged(line, format!("found design {} in place of {index}", row.index)));
+        }
+        if let Some(values) = expected(index).filter(|values| *values != row.values) {
+            return Err(damaged(line, format!("found the values {:?} in place of {values:?}", row.values)));
+        }
+        seen(row);
         whole = end;
         rows += 1;
     }

@@ -106,6 +106,15 @@ impl Variable {
         }
     }
 
+    /// The value that a table's text stands for.
+    pub fn read(&self, text: &str) -> Option<f64> {
+        if self.is_name() {
+            SUPPORTS.iter().position(|support| *support == text).map(|i| i as f64)
+        } else {
+            text.parse().ok().filter(|value: &f64| value.is_finite())
+        }
+    }
+
     /// Whether its values have no order: names of supports.
     pub fn is_name(&self) -> bool {
         self.dimension.is_none()
