@@ -1,9 +1,9 @@
 //! The main job's stages, each a function from one named struct to the next.
 
-use crate::coupling::{BasisOptions, CoupledModel, CouplingError, couple, reduction_requests};
+use crate::coupling::{BasisOptions, CoupledModel, CouplingError, check_screw, couple, reduction_requests};
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, symmetric_eigen};
-use crate::machine::{Damping, Joint, JointPoint, Machine};
+use crate::machine::{Damping, Joint, JointPoint, Machine, SpringStiffness};
 use crate::mesh::{MeshError, MeshFile, read_mesh_file};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, Tracker, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
@@ -236,13 +236,17 @@ pub fn cache_warnings(parts: &[Cached]) -> Vec<String> {
     parts.iter().flat_map(|p| p.warnings.iter().map(CacheError::to_string)).collect()
 }
 
-/// Free length of a ball screw at a position, from the interfaces' centroids in the drawn pose, m.
+/// Free length of a ball screw at a position, m: its own, or from the interfaces' centroids in the drawn pose.
 pub fn screw_length(machine: &Machine, joint: &Joint, centroids: &[Vec<[f64; 3]>], position: f64) -> f64 {
     let axis = &machine.axis;
     let direction = joint.springs.first().map_or(axis.direction, |s| s.direction);
     let drawn = joint.between.map(|side| centroids[side.part][side.interface]);
     let moves = joint.between.map(|side| axis.moves[side.part]);
-    crate::coupling::free_length(drawn, moves, position, axis, direction)
+    let at_zero = joint.springs.iter().find_map(|s| match s.stiffness {
+        SpringStiffness::BallScrew { free_length, .. } => free_length,
+        SpringStiffness::Constant(_) => None,
+    });
+    crate::coupling::free_length(drawn, moves, position, axis, direction, at_zero)
 }
 
 /// Checks every station of the travel from the meshes alone: footprints on their rails, screws of
@@ -258,14 +262,11 @@ pub fn check_travel(
     let axis = &machine.axis;
     let mut warnings = Vec::new();
     for joint in &machine.joints {
-        let screw =
-            joint.springs.iter().any(|s| matches!(s.stiffness, crate::machine::SpringStiffness::BallScrew { .. }));
-        for position in axis.travel.iter().filter(|_| screw) {
-            let length = screw_length(machine, joint, centroids, *position);
-            if length.is_nan() || length <= 0.0 {
-                return Err(
-                    CouplingError::ScrewLength { joint: joint.name.clone(), position: *position, length }.into()
-                );
+        for spring in &joint.springs {
+            let SpringStiffness::BallScrew { support, .. } = spring.stiffness else { continue };
+            for &position in &axis.travel {
+                let length = screw_length(machine, joint, centroids, position);
+                check_screw(&joint.name, support, position, length)?;
             }
         }
         let Some(footprint) = joint.footprint else { continue };

@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod devices;
+mod evaluator;
 mod frequencies;
 mod init;
 mod map;
@@ -13,6 +14,9 @@ mod progress;
 mod record;
 mod run;
 mod summary;
+mod sweep;
+mod sweep_files;
+mod sweep_progress;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -24,6 +28,7 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
+use stiffmap::sweep::{StudyError, TableError};
 
 /// Dynamic stiffness of a machine tool over its whole work volume.
 #[derive(Parser, Debug)]
@@ -37,6 +42,8 @@ pub struct Cli {
 enum Command {
     /// The main job: from the machine file to modes, state space, compliance map and pictures
     Run(run::Arguments),
+    /// Evaluate the designs of a study: a table with one row a design
+    Sweep(sweep::Arguments),
     /// Print what is understood of a machine, without solving
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
@@ -72,6 +79,7 @@ pub struct UsageError(pub String);
 pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
     match cli.command {
         Command::Run(arguments) => run::run(&arguments, interrupt),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),
@@ -87,6 +95,8 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
     let input = error.is::<UsageError>()
         || error.is::<MachineError>()
         || error.is::<MeshError>()
+        || error.is::<StudyError>()
+        || error.downcast_ref::<TableError>().is_some_and(TableError::is_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
         || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
             (Some(e), _) | (_, Some(GpuError::Request(e))) => {

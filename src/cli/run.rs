@@ -60,7 +60,7 @@ pub struct Arguments {
     json: bool,
 }
 
-fn parse_backend(text: &str) -> Result<Backend, String> {
+pub(super) fn parse_backend(text: &str) -> Result<Backend, String> {
     text.parse()
 }
 
@@ -291,7 +291,7 @@ fn write(
     Ok(())
 }
 
-fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {
+pub(super) fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {
     let of_part = |(part, file): (&stiffmap::machine::Part, &stiffmap::mesh::MeshFile)| {
         let name = part.mesh.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         file.warnings.iter().map(|w| format!("{name}, line {}: {}", w.line, w.text)).collect::<Vec<_>>()
@@ -312,12 +312,12 @@ fn without_nulls(value: serde_json::Value) -> serde_json::Value {
     }
 }
 
-fn relative(path: &Path, folder: &Path) -> String {
+pub(super) fn relative(path: &Path, folder: &Path) -> String {
     path.strip_prefix(folder).unwrap_or(path).to_string_lossy().replace('\\', "/")
 }
 
 /// A name as a folder: `vertical mill` becomes `vertical_mill`.
-fn slug(name: &str) -> String {
+pub(super) fn slug(name: &str) -> String {
     let slug: String = name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
     let slug = slug.trim_matches('_').to_string();
     if slug.is_empty() { "machine".into() } else { slug }

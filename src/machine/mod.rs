@@ -23,7 +23,7 @@ mod ports;
 mod quantity;
 mod read;
 mod springs;
-mod table;
+pub(crate) mod table;
 
 pub use bundled::bundled_vertical_mill;
 pub use error::{MachineError, Place};

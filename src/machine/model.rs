@@ -128,7 +128,7 @@ pub enum JointKind {
     LinearGuide,
     /// Radial and axial stiffness at a point of an axis.
     Bearing,
-    /// Axial stiffness E pi D^2 / (4 L), L following the position; side 1 is the nut.
+    /// Axial stiffness of a screw whose free length follows the position; side 1 is the nut.
     BallScrew,
     /// Three translational and three rotational stiffnesses.
     Bolted,
@@ -193,13 +193,45 @@ pub enum Motion {
 pub enum SpringStiffness {
     /// N/m or N m/rad.
     Constant(f64),
-    /// E pi D^2 / (4 L), with L the distance between the two sides' centroids along the joint's axis.
+    /// A ball screw of free length L, which follows the position; see [`ScrewSupport::stiffness`].
     BallScrew {
         /// Young's modulus, Pa.
         young: f64,
         /// Diameter, m.
         diameter: f64,
+        /// Free length at position 0, m; `None` takes the distance between the two sides' centroids along the axis.
+        free_length: Option<f64>,
+        /// Which ends are held axially.
+        support: ScrewSupport,
     },
+}
+
+/// Which ends of a ball screw are held axially.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ScrewSupport {
+    /// The end at the mount; the other floats.
+    OneEnd,
+    /// Both ends.
+    BothEnds {
+        /// Distance between the two supports, m.
+        span: f64,
+    },
+}
+
+impl ScrewSupport {
+    /// Axial stiffness at the nut of a screw with free length `length` (m) from mount to nut, N/m.
+    ///
+    /// ```text
+    /// one end:    k = E A / L                          A = pi D^2 / 4
+    /// both ends:  k = E A (1 / L + 1 / (span - L))
+    /// ```
+    pub fn stiffness(self, young: f64, diameter: f64, length: f64) -> f64 {
+        let area = std::f64::consts::PI * diameter * diameter / 4.0;
+        match self {
+            Self::OneEnd => young * area / length,
+            Self::BothEnds { span } => young * area * (1.0 / length + 1.0 / (span - length)),
+        }
+    }
 }
 
 /// The axis of travel.

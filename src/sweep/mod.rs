@@ -7,15 +7,35 @@
 mod bases;
 mod coupling_route;
 mod design;
+pub mod goals;
+pub mod machine_values;
+pub mod metrics;
 mod modes_route;
+pub mod optimise;
+pub mod pareto;
+pub mod paths;
 mod prepared;
+mod random;
+pub mod room;
+pub mod runner;
+pub mod sampling;
 mod sensitivity;
+pub mod shards;
+pub mod sobol;
+mod study;
+mod study_error;
+pub mod table;
+mod table_error;
+pub mod variables;
 
 pub use coupling_route::CouplingRoute;
 pub use design::{Design, PartScale};
 pub use modes_route::ModesRoute;
-pub use prepared::{Prepared, Request};
+pub use prepared::{Prepared, Request, varied_springs};
 pub use sensitivity::Sensitivity;
+pub use study::{Study, read_study};
+pub use study_error::StudyError;
+pub use table_error::TableError;
 
 use crate::frf::metrics::PairMetrics;
 

@@ -32,7 +32,10 @@ fn the_small_machine_is_read_in_si_with_names_resolved() {
         guide.springs.iter().map(|s| (s.label.as_str(), s.direction, constant(s), s.damping)).collect();
     assert_eq!(springs, [("x", [1.0, 0.0, 0.0], 77e6, 100.0), ("y", [0.0, 1.0, 0.0], 77e6, 0.0)]);
     assert_eq!(screw.between, [side(0, 1), side(1, 1)]);
-    assert_eq!(screw.springs[0].stiffness, SpringStiffness::BallScrew { young: 210e9, diameter: 0.04 });
+    assert_eq!(
+        screw.springs[0].stiffness,
+        SpringStiffness::BallScrew { young: 210e9, diameter: 0.04, free_length: None, support: ScrewSupport::OneEnd }
+    );
     let tip = &machine.parts[1].interfaces[2];
     let region = tip.within.unwrap();
     assert_eq!((region.min[2], region.max[2]), (0.01, 0.03));
@@ -210,4 +213,20 @@ fn grids_and_quantities_are_read() {
     assert_eq!(machine.analysis.quantity, Quantity::Receptance);
     let machine = accepted("damping = { ratio = 0.02 }", "damping = { ratio = 0.02 }\nquantity = \"accelerance\"");
     assert_eq!(machine.analysis.quantity, Quantity::Accelerance);
+}
+
+#[test]
+fn a_ball_screws_free_length_and_second_support_are_read() {
+    let screw = |machine: Machine| machine.joints[1].springs[0].stiffness;
+    let read = screw(accepted("diameter = \"40 mm\"", "diameter = \"40 mm\"\nfree_length = \"350 mm\""));
+    let expected =
+        |free_length, support| SpringStiffness::BallScrew { young: 210e9, diameter: 0.04, free_length, support };
+    assert_eq!(read, expected(Some(0.35), ScrewSupport::OneEnd));
+    let both = "diameter = \"40 mm\"\nsupport = \"both-ends\"\nspan = \"1.2 m\"";
+    let read = screw(accepted("diameter = \"40 mm\"", both));
+    assert_eq!(read, expected(None, ScrewSupport::BothEnds { span: 1.2 }));
+    assert_eq!(
+        screw(accepted("diameter = \"40 mm\"", "diameter = \"40 mm\"\nsupport = \"one-end\"")),
+        expected(None, ScrewSupport::OneEnd)
+    );
 }

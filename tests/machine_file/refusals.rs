@@ -171,3 +171,13 @@ fn grids_and_quantities_that_make_no_sense_are_refused() {
         &["analysis.quantity: found \"stiffness\"", "\"receptance\", \"mobility\" or \"accelerance\""],
     );
 }
+
+#[test]
+fn supports_of_a_ball_screw_that_do_not_fit_are_refused() {
+    let with = |keys: &str| format!("diameter = \"40 mm\"\n{keys}");
+    let diameter = "diameter = \"40 mm\"";
+    refused_change(diameter, &with("support = \"both\""), &["\"screw\".support: found \"both\"", "\"both-ends\""]);
+    refused_change(diameter, &with("support = \"both-ends\""), &["the key `span` is missing"]);
+    refused_change(diameter, &with("span = \"1 m\""), &["\"screw\".span: found \"1 m\"", "add support"]);
+    refused_change(diameter, &with("free_length = 0"), &["\"screw\".free_length: found 0", "positive"]);
+}
