@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::pipeline;
 use stiffmap::reduction::{Cache, Superelement};
-use stiffmap::sweep::{Evaluator, ModesRoute, Request, Study};
+use stiffmap::sweep::{CouplingRoute, Evaluator, ModesRoute, Request, Study};
 
 /// The route asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -17,6 +17,8 @@ pub enum Route {
     Auto,
     /// An eigenproblem for each design and position
     Modes,
+    /// The nominal machine's receptances changed by each design's springs
+    Coupling,
 }
 
 /// The parts of a study's machine, reduced.
@@ -41,6 +43,9 @@ pub fn reduce(study: &Study, no_cache: bool, progress: &mut Progress, interrupt:
     Ok(Reduced { superelements, warnings, parts_from_cache })
 }
 
+/// Designs from which on the coupling route is worth its base.
+const MANY: u64 = 2000;
+
 /// The evaluator of a route, and why it was chosen.
 pub fn choose<'a>(
     study: &'a Study,
@@ -48,17 +53,31 @@ pub fn choose<'a>(
     route: Route,
     interrupt: &'a Interrupt,
 ) -> Result<(Box<dyn Evaluator + 'a>, String)> {
-    let why = match route {
-        Route::Auto => "the only route",
-        Route::Modes => "asked for",
+    let designs = study.sampling.designs;
+    let (coupling, why) = match route {
+        Route::Modes => (false, "asked for".to_owned()),
+        Route::Coupling => (true, "asked for".to_owned()),
+        Route::Auto if !study.families.is_empty() => (false, "eigenfrequencies are asked for".to_owned()),
+        Route::Auto if designs < MANY => (false, format!("{designs} designs, fewer than {MANY}")),
+        Route::Auto => (true, format!("{designs} designs, at least {MANY}")),
     };
-    let request = Request {
+    let (machine, probes) = (&study.machine, study.probes());
+    let evaluator: Box<dyn Evaluator + 'a> = if coupling {
+        Box::new(CouplingRoute::new(machine, superelements, request(study), &probes, interrupt)?)
+    } else {
+        Box::new(ModesRoute::new(machine, superelements, request(study), &probes, interrupt)?)
+    };
+    Ok((evaluator, why))
+}
+
+/// What a study asks of each design.
+pub fn request(study: &Study) -> Request {
+    Request {
         positions: study.positions.clone(),
         frequencies: study.frequencies(),
         families: study.families.clone(),
         highest: study.band[1],
+        whole_basis: false,
         tracked: study.families.iter().copied().max().unwrap_or(0),
-    };
-    let evaluator = ModesRoute::new(&study.machine, superelements, request, &study.probes(), interrupt)?;
-    Ok((Box::new(evaluator), why.to_owned()))
+    }
 }

@@ -12,12 +12,10 @@
 
 use super::basis::{STIFFEST, inertia_columns, stiffness_axes};
 use super::{AtPosition, CoupledModel, CouplingError};
-use crate::linalg::{LinalgError, multiply, multiply_transposed, orthonormal_span, symmetric_eigen_low};
+use crate::linalg::{LinalgError, multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Shift that tells the base's free motions from rest, Hz.
-const SHIFT: f64 = 5.0;
 /// Modes of the base up to this multiple of the wanted frequency are kept.
 const BAND: f64 = 1.5;
 /// Inertia that may be cut, as in [`super::BasisOptions`].
@@ -67,6 +65,8 @@ pub struct AroundCoupled {
     pub direct: DMatrix<f64>,
     /// The varied springs' tension beyond the base's for unit coordinates, Delta' E, n_varied x m.
     pub tension: DMatrix<f64>,
+    /// Delta', n_varied x n_varied, N/m.
+    pub series: DMatrix<f64>,
 }
 
 /// The base's coordinates above the band: rows over them, what is kept of them, and what is left.
@@ -118,7 +118,7 @@ impl Above {
 
 impl CoupledModel {
     /// The machine at a position around a base design, for results up to a frequency (Hz) and designs
-    /// that change the `varied` springs only.
+    /// that change the `varied` springs only; an infinite frequency keeps all modes of the fixed basis.
     ///
     /// # Errors
     /// [`CouplingError::Basis`] if an eigenproblem fails.
@@ -134,7 +134,7 @@ impl CoupledModel {
     ) -> Result<Around, CouplingError> {
         let (s, o) = (at.springs.nrows(), at.outputs.nrows());
         let coupled = self.coupled(at, base);
-        let eigen = symmetric_eigen_low(&coupled.stiffness, (TAU * SHIFT).powi(2))?;
+        let eigen = symmetric_eigen(&coupled.stiffness)?;
         let edge = (TAU * BAND * frequency).powi(2);
         let low = eigen.values.iter().take_while(|l| **l <= edge).count();
         let rows = stacked(&[&coupled.elongations, &coupled.outputs, &coupled.inputs]);
@@ -248,7 +248,18 @@ impl Around {
             inputs: &self.inputs - multiply(&input, &tension),
             direct: between - multiply(&out, &multiply(&series, &input.transpose())),
             tension,
+            series,
         })
+    }
+
+    /// Elongations of all springs for unit forces on outputs, then inputs, that no coordinate of a design carries,
+    /// n_springs x (n_outputs + n_inputs), m/N.
+    pub fn direct_elongations(&self, design: &AroundCoupled) -> DMatrix<f64> {
+        let s = self.springs.nrows();
+        let to_springs = self.residual.rows(0, s).into_owned();
+        let to_varied = to_springs.select_columns(&self.varied);
+        let from_ports = self.residual.columns_range(s..).into_owned().select_rows(&self.varied);
+        to_springs.columns_range(s..).into_owned() - multiply(&to_varied, &multiply(&design.series, &from_ports))
     }
 
     /// Elongations of all springs for unit coordinates of a design, n_springs x m.

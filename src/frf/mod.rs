@@ -7,11 +7,13 @@
 //! modes, so that they do not depend on where the grid's points fall.
 
 mod error;
+mod extrema;
 pub mod grid;
 mod kernel;
 mod map;
 pub mod metrics;
 mod modal_sum;
+pub mod modification;
 mod packing;
 mod point;
 mod request;
@@ -20,6 +22,7 @@ mod tiles;
 mod truncation;
 
 pub use error::FrfError;
+pub use extrema::refined_extrema;
 pub use grid::FrequencyGrid;
 pub use map::ComplianceMap;
 pub(crate) use modal_sum::zeros;

@@ -123,6 +123,9 @@ pub(super) fn sum_at(
     n_values: usize,
 ) -> Vec<Complex<f64>> {
     let mut values = vec![Complex::new(0.0, 0.0); frequencies.len() * n_values];
+    if frequencies.is_empty() {
+        return values;
+    }
     let model = Model { system, packing, quantity };
     for (values, frequencies) in values.chunks_mut(BLOCK * n_values).zip(lay_out(frequencies).chunks(BLOCK)) {
         Block { model, frequencies, stream: false, values }.sum();

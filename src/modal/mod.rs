@@ -4,7 +4,7 @@ mod free_motion;
 mod solve;
 mod tracking;
 
-pub use solve::{FreeMotion, ModeCount, Modes, check_count, modes_around, modes_at, modes_of};
+pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at, modes_of};
 pub use tracking::{mode_table, track};
 
 use crate::coupling::CouplingError;

@@ -186,6 +186,42 @@ pub fn modes_around(
     })
 }
 
+/// The base's own modes: coordinates that carry inertia above the band count as modes too.
+///
+/// `springs` are the dampers and loss factors to project on them, with the base's stiffness.
+///
+/// # Errors
+/// [`ModalError::Negative`].
+pub fn base_modes(
+    around: &Around,
+    damping: &Damping,
+    springs: &SpringValues,
+    part_losses: &[Option<f64>],
+) -> Result<Modes, ModalError> {
+    let (eigenvalues, free) = settled(around.eigenvalues.as_slice(), around.position)?;
+    let m = around.n();
+    let energies = around.strain_energy.iter().zip(part_losses).filter_map(|(form, eta)| {
+        let (form, eta) = (form.as_ref()?, (*eta)?);
+        Some((eta, (0..m).map(|r| form[(r, r)]).collect::<Vec<f64>>()))
+    });
+    let parts: Vec<(f64, Vec<f64>)> = energies.collect();
+    let elongations = springs.dissipate().then_some(&around.springs);
+    let (damping_ratios, loss_factors) = modal_damping(damping, springs, elongations, &parts, &eigenvalues, free);
+    let (s, o) = (around.springs.nrows(), around.outputs.nrows());
+    Ok(Modes {
+        position: around.position,
+        free,
+        damping_ratios,
+        loss_factors,
+        outputs: around.outputs.clone(),
+        inputs: around.inputs.clone(),
+        direct: around.residual.view((s, s + o), (o, around.inputs.nrows())).into_owned(),
+        direct_loss_factor: damping.loss_factor,
+        shapes: DMatrix::identity(m, m),
+        eigenvalues,
+    })
+}
+
 /// Shift of the eigenproblem around a base, Hz: below the machine's modes, above its free motions.
 const LOW: f64 = 5.0;
 

@@ -4,6 +4,8 @@
 //! factors, and in factors on the Young's modulus and density of homogeneous parts. Parts are reduced
 //! once and position data are prepared once; an [`Evaluator`] answers designs in batches.
 
+mod bases;
+mod coupling_route;
 mod design;
 pub mod goals;
 pub mod machine_values;
@@ -17,6 +19,7 @@ mod random;
 pub mod room;
 pub mod runner;
 pub mod sampling;
+mod sensitivity;
 pub mod shards;
 pub mod sobol;
 mod study;
@@ -25,9 +28,11 @@ pub mod table;
 mod table_error;
 pub mod variables;
 
+pub use coupling_route::CouplingRoute;
 pub use design::{Design, PartScale};
 pub use modes_route::ModesRoute;
 pub use prepared::{Prepared, Request};
+pub use sensitivity::Sensitivity;
 pub use study::{Study, read_study};
 pub use study_error::StudyError;
 pub use table_error::TableError;
@@ -91,6 +96,9 @@ pub enum SweepError {
         /// Why.
         message: String,
     },
+    /// The coupling route has no eigenfrequencies.
+    #[error("eigenfrequencies of families need the modes route; leave the families out or write route = \"modes\"")]
+    NeedsModes,
     /// The work was interrupted.
     #[error("interrupted")]
     Interrupted,

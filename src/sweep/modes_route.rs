@@ -1,6 +1,7 @@
 //! The modes route: an eigenproblem per (design, position) around the nominal design, then the modal
 //! sum with refined extrema.
 
+use super::bases::Bases;
 use super::{Design, Evaluation, Evaluator, PartScale, PositionMetrics, Prepared, Request, SweepError};
 use crate::frf::metrics::{direct_pairs, metrics};
 use crate::frf::{FrfRequest, Quantity, full_system, modal_sum};
@@ -19,11 +20,7 @@ const BATCH: usize = 16;
 /// Evaluates designs by their modes.
 #[derive(Debug)]
 pub struct ModesRoute<'a> {
-    machine: &'a Machine,
-    superelements: &'a [Superelement],
-    request: Request,
-    prepared: Prepared,
-    interrupt: &'a Interrupt,
+    bases: Bases<'a>,
     outputs: Vec<String>,
     inputs: Vec<String>,
 }
@@ -40,14 +37,14 @@ impl<'a> ModesRoute<'a> {
         probes: &[Design],
         interrupt: &'a Interrupt,
     ) -> Result<Self, SweepError> {
-        let prepared = Prepared::new(machine, superelements, &request, probes, interrupt)?;
-        let (outputs, inputs) = (prepared.model.output_names(), prepared.model.input_names());
-        Ok(Self { machine, superelements, request, prepared, interrupt, outputs, inputs })
+        let bases = Bases::new(machine, superelements, request, probes, interrupt)?;
+        let (outputs, inputs) = (bases.nominal.model.output_names(), bases.nominal.model.input_names());
+        Ok(Self { bases, outputs, inputs })
     }
 
     /// The prepared positions.
     pub fn prepared(&self) -> &Prepared {
-        &self.prepared
+        &self.bases.nominal
     }
 
     /// Modes of a design at a position, in the coordinates around the nominal design.
@@ -61,8 +58,13 @@ impl<'a> ModesRoute<'a> {
         Ok(modes_around(around, &design.machine.analysis.damping, &springs, &part_losses)?)
     }
 
+    /// Whether a design is answered around the nominal machine.
+    pub(super) fn is_near(&self, design: &Design) -> Result<bool, SweepError> {
+        Ok(design.parts.iter().all(|s| *s == PartScale::NOMINAL) && !self.bases.is_far(design)?)
+    }
+
     fn at(&self, prepared: &Prepared, design: &Design, index: usize) -> Result<PositionMetrics, SweepError> {
-        if self.interrupt.requested() {
+        if self.bases.interrupt.requested() {
             return Err(SweepError::Interrupted);
         }
         let modes = self.modes(prepared, design, index)?;
@@ -71,7 +73,7 @@ impl<'a> ModesRoute<'a> {
         let request = FrfRequest {
             positions: &positions,
             systems: &systems,
-            frequencies: &self.request.frequencies,
+            frequencies: &self.bases.request.frequencies,
             outputs: &self.outputs,
             inputs: &self.inputs,
             quantity: Quantity::Receptance,
@@ -86,7 +88,7 @@ impl<'a> ModesRoute<'a> {
     }
 
     fn evaluate_with(&self, prepared: &Prepared, designs: &[&Design]) -> Vec<Result<Evaluation, SweepError>> {
-        let n = self.request.positions.len();
+        let n = self.bases.request.positions.len();
         let each = (0..designs.len() * n).into_par_iter().map(|k| self.at(prepared, designs[k / n], k % n));
         let mut each = each.collect::<Vec<_>>().into_iter();
         designs.iter().map(|_| each.by_ref().take(n).collect::<Vec<_>>().into_iter().collect()).collect()
@@ -99,7 +101,7 @@ impl Evaluator for ModesRoute<'_> {
     }
 
     fn positions(&self) -> &[f64] {
-        &self.request.positions
+        &self.bases.request.positions
     }
 
     fn batch(&self) -> usize {
@@ -107,35 +109,12 @@ impl Evaluator for ModesRoute<'_> {
     }
 
     fn evaluate(&self, designs: &[Design]) -> Vec<Result<Evaluation, SweepError>> {
-        let mut answers: Vec<Option<Result<Evaluation, SweepError>>> = designs.iter().map(|_| None).collect();
-        while let Some(first) = answers.iter().position(Option::is_none) {
-            let scales = &designs[first].parts;
-            let group: Vec<usize> = (first..designs.len()).filter(|&d| designs[d].parts == *scales).collect();
-            let members: Vec<&Design> = group.iter().map(|&d| &designs[d]).collect();
-            let nominal = scales.iter().all(|s| *s == PartScale::NOMINAL);
-            let results = if nominal {
-                self.evaluate_with(&self.prepared, &members)
-            } else {
-                let scaled =
-                    self.prepared.scaled(self.machine, self.superelements, scales, &self.request, self.interrupt);
-                match scaled {
-                    Ok(prepared) => self.evaluate_with(&prepared, &members),
-                    Err(error) => {
-                        let message = error.to_string();
-                        members.iter().map(|_| Err(SweepError::Parts { message: message.clone() })).collect()
-                    }
-                }
-            };
-            for (d, result) in group.into_iter().zip(results) {
-                answers[d] = Some(result);
-            }
-        }
-        answers.into_iter().flatten().collect()
+        self.bases.answer(designs, |prepared, members| self.evaluate_with(prepared, members))
     }
 }
 
 /// H_ij(0) without damping, m/N; infinite where a free motion is felt.
-fn static_compliance(modes: &Modes, i: usize, j: usize) -> f64 {
+pub(super) fn static_compliance(modes: &Modes, i: usize, j: usize) -> f64 {
     let one = |r: usize| modes.outputs[(i, r)] * modes.inputs[(j, r)] / modes.eigenvalues[r];
     if (0..modes.free).any(|r| modes.is_felt(r)) {
         return f64::INFINITY;
@@ -145,7 +124,10 @@ fn static_compliance(modes: &Modes, i: usize, j: usize) -> f64 {
 
 /// Frequency of the mode that has more than half of a family's shape, Hz.
 fn family(modes: &Modes, shape: &DVector<f64>) -> Option<f64> {
-    (0..modes.eigenvalues.len())
-        .find(|&r| modes.shapes.column(r).dot(shape).powi(2) > SAME_FAMILY)
-        .map(|r| modes.frequency(r))
+    family_mode(modes, shape).map(|r| modes.frequency(r))
+}
+
+/// The mode that has more than half of a family's shape.
+pub(super) fn family_mode(modes: &Modes, shape: &DVector<f64>) -> Option<usize> {
+    (0..modes.eigenvalues.len()).find(|&r| modes.shapes.column(r).dot(shape).powi(2) > SAME_FAMILY)
 }

@@ -4,7 +4,7 @@ use super::{Design, PartScale, SweepError};
 use crate::coupling::{Around, BasisOptions, CoupledModel, couple};
 use crate::interrupt::Interrupt;
 use crate::linalg::{multiply, multiply_transposed};
-use crate::machine::Machine;
+use crate::machine::{Joint, Machine, SpringStiffness};
 use crate::modal::{Modes, modes_at, track};
 use crate::reduction::Superelement;
 use nalgebra::{DMatrix, DVector};
@@ -21,6 +21,8 @@ pub struct Request {
     pub families: Vec<usize>,
     /// The machine is reduced to answer up to this frequency, Hz.
     pub highest: f64,
+    /// Whether designs keep the whole fixed basis instead of what the frequency asks for.
+    pub whole_basis: bool,
     /// Elastic modes that are tracked over the positions to name the families.
     pub tracked: usize,
 }
@@ -98,7 +100,8 @@ impl Prepared {
                 return Err(SweepError::Interrupted);
             }
             let base = model.spring_values(machine, position)?.stiffness;
-            Ok(model.around(&model.at(position)?, &base, varied, request.highest)?)
+            let reach = if request.whole_basis { f64::INFINITY } else { request.highest };
+            Ok(model.around(&model.at(position)?, &base, varied, reach)?)
         };
         let around = request.positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
         let crossed = if request.families.is_empty() { None } else { Some(crossed(&model)) };
@@ -137,13 +140,18 @@ fn nominal_shapes(
     Ok(shapes.collect())
 }
 
-/// Springs, numbered through all joints, whose stiffness a probe changes.
+/// Springs, numbered through all joints, whose stiffness a probe changes or that dissipate.
 fn varied_springs(machine: &Machine, probes: &[Design]) -> Vec<usize> {
-    let stiffness =
-        |m: &Machine| m.joints.iter().flat_map(|j| j.springs.iter().map(|s| s.stiffness)).collect::<Vec<_>>();
-    let nominal = stiffness(machine);
-    let probes: Vec<_> = probes.iter().map(|p| stiffness(&p.machine)).collect();
-    (0..nominal.len()).filter(|&s| probes.iter().any(|p| p[s] != nominal[s])).collect()
+    let springs = |m: &Machine| -> Vec<(SpringStiffness, bool)> {
+        let of = |j: &Joint| {
+            j.springs.iter().map(|s| (s.stiffness, s.damping > 0.0 || j.loss_factor > Some(0.0))).collect::<Vec<_>>()
+        };
+        m.joints.iter().flat_map(of).collect()
+    };
+    let nominal = springs(machine);
+    let probes: Vec<_> = probes.iter().map(|p| springs(&p.machine)).collect();
+    let varies = |s: &usize| nominal[*s].1 || probes.iter().any(|p| p[*s] != nominal[*s]);
+    (0..nominal.len()).filter(varies).collect()
 }
 
 fn identity(n: usize) -> DMatrix<f64> {
