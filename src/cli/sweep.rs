@@ -44,6 +44,9 @@ pub struct Arguments {
     /// How designs are answered
     #[arg(long, value_enum, default_value = "auto")]
     route: Route,
+    /// Write the sensitivities of the best design's metrics to its variables
+    #[arg(long, conflicts_with = "merge")]
+    pub(super) sensitivities: bool,
     /// Draw no pictures
     #[arg(long)]
     pub(super) no_figures: bool,
@@ -141,7 +144,7 @@ fn begin_manifest(study: &Study, record: &Record, reduced: &Reduced) -> Manifest
 }
 
 /// What every manifest of a sweep says.
-fn describe(study: &Study, record: &Record, manifest: &mut Manifest) {
+pub(super) fn describe(study: &Study, record: &Record, manifest: &mut Manifest) {
     for (name, hash) in &record.inputs {
         manifest.input_hashes.push(name.clone(), hash.clone());
     }
