@@ -71,7 +71,8 @@ fn best(
     let mut first = 0;
     for run in runs {
         let response = |k: usize| response[first + k - run.start];
-        let inside = |k: usize| k >= 1 && k + 1 < n && run.contains(&k.saturating_sub(2)) && run.contains(&(k + 2).min(n - 1));
+        let inside =
+            |k: usize| k >= 1 && k + 1 < n && run.contains(&k.saturating_sub(2)) && run.contains(&(k + 2).min(n - 1));
         for k in run.clone().filter(|&k| inside(k)) {
             let here = goal(response(k));
             if here < bar || here < goal(response(k - 1)) || here < goal(response(k + 1)) {

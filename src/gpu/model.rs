@@ -41,10 +41,7 @@ pub(super) struct TileModel {
 impl TileModel {
     /// As a kernel reads them.
     pub fn inputs(&self) -> Inputs<'_> {
-        Inputs {
-            uniform: bytemuck::bytes_of(&self.params),
-            arrays: [&self.frequencies, &self.modes, &self.residual],
-        }
+        Inputs { uniform: bytemuck::bytes_of(&self.params), arrays: [&self.frequencies, &self.modes, &self.residual] }
     }
 }
 

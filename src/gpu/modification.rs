@@ -95,7 +95,9 @@ fn values<T: Pod + Into<f64>>(
         let rows = out[tile.designs.clone()].iter_mut().flat_map(|design| design.iter_mut().enumerate());
         for ((pair, row), read) in rows.zip(read.chunks_exact(tile.frequencies.len())) {
             let unit = packed.unit(pair);
-            for (k, (value, [re, im])) in tile.frequencies.clone().zip(row[tile.frequencies.clone()].iter_mut().zip(read)) {
+            for (k, (value, [re, im])) in
+                tile.frequencies.clone().zip(row[tile.frequencies.clone()].iter_mut().zip(read))
+            {
                 *value = Complex::new((*re).into(), (*im).into()) * unit;
                 if !(value.re.is_finite() && value.im.is_finite()) {
                     return Err(not_finite(gpu, request.position, k));
@@ -231,7 +233,8 @@ impl<'a> Packed<'a> {
         for first in (0..all_chunks).step_by(most_chunks) {
             let chunks = first..(first + most_chunks).min(all_chunks);
             let frequencies = first * CORE as usize..(chunks.end * CORE as usize).min(n);
-            let products = chunks.len() as u64 * u64::from(WORKGROUP) * (base.n_springs as u64 * rows * rows / 2 + rows);
+            let products =
+                chunks.len() as u64 * u64::from(WORKGROUP) * (base.n_springs as u64 * rows * rows / 2 + rows);
             let changes = 4 * precision.bytes() * base.n_springs.max(1) as u64;
             let most = (room / (per_chunk * chunks.len() as u64))
                 .min(TILE_PRODUCTS / products)
@@ -354,10 +357,8 @@ pub fn check(gpu: &Gpu, precision: Precision) -> Result<f64, GpuError> {
     let rows = DMatrix::from_fn(9, 12, |i, r| 0.05 * (1.7 * (1 + i + 9 * r) as f64).sin());
     let frequencies: Vec<f64> = (0..200).map(|k| 10.0 * 1.02f64.powi(k)).collect();
     let base = BaseReceptance::new(&frequencies, &modes, &rows, &DMatrix::zeros(9, 9), 6);
-    let change = |s: usize| SpringChange {
-        stiffness: Complex::new(1.0, 0.02) * 3e6 * (2.3 * s as f64).sin(),
-        damping: 40.0,
-    };
+    let change =
+        |s: usize| SpringChange { stiffness: Complex::new(1.0, 0.02) * 3e6 * (2.3 * s as f64).sin(), damping: 40.0 };
     let designs = [(0..6).map(change).collect::<Vec<_>>()];
     let pairs: Vec<(usize, usize)> = (0..3).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
     let request = SpringRequest { base: &base, designs: &designs, pairs: &pairs, position: 0 };
@@ -371,7 +372,12 @@ pub fn check(gpu: &Gpu, precision: Precision) -> Result<f64, GpuError> {
         .fold(0.0, f64::max);
     if figure > BOUND {
         let adapter = gpu.adapter().name.clone();
-        return Err(GpuError::Inaccurate { adapter, what: "Frobenius difference of changed springs", figure, bound: BOUND });
+        return Err(GpuError::Inaccurate {
+            adapter,
+            what: "Frobenius difference of changed springs",
+            figure,
+            bound: BOUND,
+        });
     }
     Ok(figure)
 }
