@@ -75,14 +75,7 @@ pub fn choose<'a>(
     interrupt: &'a Interrupt,
 ) -> Result<(Box<dyn Evaluator + 'a>, String)> {
     let machine = &study.machine;
-    let request = Request {
-        positions: study.positions.clone(),
-        frequencies: study.frequencies(),
-        families: study.families.clone(),
-        highest: study.band[1],
-        whole_basis: false,
-        tracked: study.families.iter().copied().max().unwrap_or(0),
-    };
+    let request = request(study);
     let probes = study.probes();
     let (coupling, why) = match route {
         Route::Modes => (false, "asked for".to_owned()),
@@ -96,6 +89,18 @@ pub fn choose<'a>(
     } else {
         (Box::new(ModesRoute::new(machine, superelements, request, &probes, interrupt)?), why)
     })
+}
+
+/// What a study asks of each design.
+pub fn request(study: &Study) -> Request {
+    Request {
+        positions: study.positions.clone(),
+        frequencies: study.frequencies(),
+        families: study.families.clone(),
+        highest: study.band[1],
+        whole_basis: false,
+        tracked: study.families.iter().copied().max().unwrap_or(0),
+    }
 }
 
 /// Springs that vary up to which the coupling route costs less than an eigenproblem.

@@ -8,6 +8,7 @@ mod frequencies;
 mod init;
 mod map;
 mod memory;
+mod optimise;
 mod overrides;
 mod pictures;
 mod progress;
@@ -15,8 +16,10 @@ mod record;
 mod run;
 mod summary;
 mod sweep;
+mod sweep_figures;
 mod sweep_files;
 mod sweep_progress;
+mod sweep_rates;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -44,6 +47,8 @@ enum Command {
     Run(run::Arguments),
     /// Evaluate the designs of a study: a table with one row a design
     Sweep(sweep::Arguments),
+    /// Look for the best design of a study under its bounds
+    Optimise(optimise::Arguments),
     /// Print what is understood of a machine, without solving
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
@@ -80,6 +85,7 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
     match cli.command {
         Command::Run(arguments) => run::run(&arguments, interrupt),
         Command::Sweep(arguments) => sweep::sweep(&arguments, interrupt),
+        Command::Optimise(arguments) => optimise::optimise(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),

@@ -48,6 +48,9 @@ pub struct Arguments {
     /// Where the coupling route looks for extrema; gpu without an adapter is an error
     #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu", value_parser = parse_backend)]
     backend: Backend,
+    /// Write the sensitivities of the best design's metrics to its variables
+    #[arg(long, conflicts_with = "merge")]
+    pub(super) sensitivities: bool,
     /// Draw no pictures
     #[arg(long)]
     pub(super) no_figures: bool,
@@ -148,7 +151,7 @@ fn begin_manifest(study: &Study, record: &Record, reduced: &Reduced) -> Manifest
 }
 
 /// What every manifest of a sweep says.
-fn describe(study: &Study, record: &Record, manifest: &mut Manifest) {
+pub(super) fn describe(study: &Study, record: &Record, manifest: &mut Manifest) {
     for (name, hash) in &record.inputs {
         manifest.input_hashes.push(name.clone(), hash.clone());
     }

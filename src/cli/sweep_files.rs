@@ -3,9 +3,11 @@
 use super::progress::Progress;
 use super::run::relative;
 use super::sweep::Arguments;
+use super::sweep_figures::{Best, draw_best, draw_rows};
+use super::sweep_rates::rates;
 use anyhow::{Context, Result};
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use stiffmap::export::atomic::write_bytes;
 use stiffmap::export::manifest::Manifest;
 use stiffmap::export::mat;
@@ -73,6 +75,23 @@ pub fn write_results(
         files.extend(written);
     }
     let best = best(study, rows);
+    if let Some(row) = best.filter(|_| arguments.sensitivities) {
+        let text = progress.stage("sensitivities", 0, |_| rates(study, finished.superelements, row, interrupt))?;
+        write_bytes(&out.join("sensitivities.csv"), &text)?;
+        files.push("sensitivities.csv".into());
+    }
+    if !arguments.no_figures && whole {
+        let folder = out.join("figures");
+        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        let drawn = progress.stage("draw pictures", 0, |_| -> Result<Vec<PathBuf>> {
+            let mut drawn = draw_rows(study, rows, best, &folder)?;
+            if let (Some(row), Some(evaluator)) = (best, finished.evaluator) {
+                drawn.extend(draw_best(&Best { study, evaluator, row }, &folder)?);
+            }
+            Ok(drawn)
+        })?;
+        files.extend(drawn.iter().map(|path| relative(path, out)));
+    }
     if let Some(best) = best {
         manifest.settings.push("best_design", json!(best.index));
     }
@@ -127,18 +146,22 @@ fn summarise(finished: &Finished<'_>, best: Option<&Row>, manifest: &Manifest, p
         study.band[1]
     )];
     if let Some(best) = best {
-        let shown = study.variables.iter().zip(&best.values);
-        let shown: Vec<String> = shown.map(|(v, x)| format!("{} {} {}", v.name, v.text(*x), v.unit())).collect();
-        lines.push(format!("best design: {}: {}", best.index, shown.join(", ")));
-        for (column, value) in study.result_columns().iter().zip(&best.results) {
-            if let Some(value) = value {
-                lines.push(format!("  {:<28} {value:.6e} {}", column.name, column.unit));
-            }
-        }
+        lines.extend(design_in_words(study, "design", best));
     } else {
         lines.push("no design keeps every bound".to_owned());
     }
     lines.extend(manifest.warnings.iter().map(|warning| format!("warning: {warning}")));
     lines.push(format!("files in {}", out.display()));
     progress.say(&lines.join("\n"));
+}
+
+/// A row in words: its variables, then its values.
+pub(super) fn design_in_words(study: &Study, what: &str, row: &Row) -> Vec<String> {
+    let variables = study.variables.iter().zip(&row.values);
+    let shown: Vec<String> = variables.map(|(v, x)| format!("{} {} {}", v.name, v.text(*x), v.unit())).collect();
+    let mut lines = vec![format!("best {what}: {}: {}", row.index, shown.join(", "))];
+    for (column, value) in study.result_columns().iter().zip(&row.results) {
+        lines.extend(value.map(|value| format!("  {:<28} {value:.6e} {}", column.name, column.unit)));
+    }
+    lines
 }

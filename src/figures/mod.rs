@@ -24,6 +24,7 @@ mod field;
 mod frame;
 mod frequency_view;
 mod scale;
+pub mod sweep;
 mod text;
 
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! What a study reads from each design: metrics, and how they are brought together over the positions.
 
 use super::study_error::StudyError;
-use super::{Evaluation, PositionMetrics};
+use super::{Evaluation, PositionMetrics, Sensitivity};
 use crate::machine::Machine;
 use crate::machine::table::{Item, Table, find_name};
 
@@ -91,6 +91,17 @@ impl Quantity {
         })
     }
 
+    /// Derivative of the value at a position by a variable, from those of the position's metrics.
+    pub fn rate(self, at: &PositionMetrics, by: &Sensitivity) -> Option<f64> {
+        Some(match self {
+            Self::DynamicStiffness(pair) => -by.peak[pair] / at.pairs[pair].peak.value.powi(2),
+            Self::Compliance(pair) => by.peak[pair],
+            Self::NegativeReal(pair) => by.most_negative_real[pair],
+            Self::StaticStiffness(pair) => -by.static_compliance[pair] / at.static_compliance[pair].powi(2),
+            Self::Eigenfrequency(family) => (*by.families.get(family)?)?,
+        })
+    }
+
     fn has_frequency(self) -> bool {
         !matches!(self, Self::StaticStiffness(_) | Self::Eigenfrequency(_))
     }
@@ -155,8 +166,8 @@ impl Metric {
         if self.over == Over::Mean {
             return (vec![Some(whole.iter().map(|(v, _)| v).sum::<f64>() / whole.len() as f64)], None);
         }
-        let sign = if self.quantity.larger_is_better() { 1.0 } else { -1.0 };
-        let worst = (0..whole.len()).min_by(|&a, &b| (sign * whole[a].0).total_cmp(&(sign * whole[b].0))).unwrap_or(0);
+        let values: Vec<f64> = whole.iter().map(|(v, _)| *v).collect();
+        let worst = self.worst(&values).unwrap_or(0);
         let mut cells = vec![Some(whole[worst].0)];
         if self.place {
             cells.push(Some(positions[worst]));
@@ -165,6 +176,28 @@ impl Metric {
             cells.push(whole[worst].1);
         }
         (cells, None)
+    }
+}
+
+impl Metric {
+    /// Derivative of the metric over its worst position, or of its mean, by a variable; `None` where a value is missing
+    /// and for [`Over::Each`].
+    pub fn rate(&self, evaluation: &Evaluation, by: &[Sensitivity]) -> Option<f64> {
+        let values: Vec<f64> =
+            evaluation.iter().map(|at| self.quantity.of(at).map(|(v, _)| v)).collect::<Option<_>>()?;
+        let rates: Vec<f64> =
+            evaluation.iter().zip(by).map(|(at, by)| self.quantity.rate(at, by)).collect::<Option<_>>()?;
+        match self.over {
+            Over::Each => None,
+            Over::Mean => Some(rates.iter().sum::<f64>() / rates.len() as f64),
+            Over::Worst => rates.get(self.worst(&values)?).copied(),
+        }
+    }
+
+    /// Place of the worst value.
+    fn worst(&self, values: &[f64]) -> Option<usize> {
+        let sign = if self.quantity.larger_is_better() { 1.0 } else { -1.0 };
+        (0..values.len()).min_by(|&a, &b| (sign * values[a]).total_cmp(&(sign * values[b])))
     }
 }
 

@@ -27,6 +27,7 @@ mod study;
 mod study_error;
 pub mod table;
 mod table_error;
+mod variable_reading;
 pub mod variables;
 
 pub use coupling_route::CouplingRoute;
