@@ -119,8 +119,9 @@ fn the_fixed_basis_agrees_with_the_whole_reduced_machine_between_its_training_po
         };
         positions.iter().zip(&exact).map(error).fold(0.0, f64::max)
     };
-    let rough = couple(&slide.machine, &slide.parts, BasisOptions { frequency: BAND, band: BAND, tolerance: 0.1 })
-        .expect("couples");
+    let rough =
+        couple(&slide.machine, &slide.parts, BasisOptions { tolerance: 0.1, band: BAND, ..BasisOptions::up_to(BAND) })
+            .expect("couples");
     let (fine, coarse) = (worst(model), worst(&rough));
     println!(
         "fixed basis: {} of {} coordinates {fine:.1e}, {} coordinates {coarse:.1e}",

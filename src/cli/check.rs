@@ -6,7 +6,7 @@ use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::coupling::reduction_requests;
-use stiffmap::machine::{JointKind, Machine, Motion, ScrewSupport, SpringStiffness, read_machine};
+use stiffmap::machine::{Grid, JointKind, Machine, Motion, ScrewSupport, SpringStiffness, read_machine};
 use stiffmap::pipeline;
 use stiffmap::solid::assemble;
 
@@ -148,12 +148,17 @@ fn describe_axis(out: &mut String, machine: &Machine) -> Result<()> {
     let grid = &machine.analysis.frequencies;
     writeln!(
         out,
-        "analysis: {} component modes a part, {} elastic modes a position, {} frequencies from {} to {} Hz",
+        "analysis: {} component modes a part, {} elastic modes a position, {} from {} to {} Hz ({} grid{})",
         machine.analysis.component.modes,
         machine.analysis.modes,
-        grid.len(),
+        machine.analysis.quantity.name(),
         grid.first().copied().unwrap_or_default(),
-        grid.last().copied().unwrap_or_default()
+        grid.last().copied().unwrap_or_default(),
+        machine.analysis.grid.name(),
+        match machine.analysis.grid {
+            Grid::Clustered { points } => format!(", {points} frequencies a mode on {}", grid.len()),
+            _ => format!(", {} frequencies", grid.len()),
+        }
     )?;
     Ok(())
 }

@@ -4,9 +4,13 @@ mod bench;
 mod check;
 mod devices;
 mod evaluator;
+mod frequencies;
 mod init;
+mod map;
+mod memory;
 mod optimise;
 mod overrides;
+mod pictures;
 mod progress;
 mod record;
 mod run;
@@ -100,10 +104,12 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error.is::<StudyError>()
         || error.downcast_ref::<TableError>().is_some_and(TableError::is_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
-        || error
-            .downcast_ref::<FrfError>()
-            .is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))
-        || matches!(error.downcast_ref::<GpuError>(), Some(GpuError::Request(_)));
+        || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
+            (Some(e), _) | (_, Some(GpuError::Request(e))) => {
+                !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. })
+            }
+            _ => false,
+        };
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
 }
 

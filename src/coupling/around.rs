@@ -10,7 +10,7 @@
 //! P' = P - R_PE Delta' E                         u = P' z + (R_PP - R_PE Delta' R_EP) f
 //! ```
 
-use super::basis::{STIFFEST, inertia_columns, stiffness_axes};
+use super::basis::{inertia_columns, stiffness_axes};
 use super::{AtPosition, CoupledModel, CouplingError};
 use crate::linalg::{LinalgError, multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
 use nalgebra::{DMatrix, DVector};
@@ -140,7 +140,7 @@ impl CoupledModel {
         let rows = stacked(&[&coupled.elongations, &coupled.outputs, &coupled.inputs]);
         let modal = multiply(&rows, &eigen.vectors);
         let eigenvalues: Vec<f64> = eigen.values.iter().skip(low).copied().collect();
-        let stiffest = |spring: usize| if base[spring] > 0.0 { 1.0 / (STIFFEST * base[spring]) } else { 0.0 };
+        let stiffest = |spring: usize| if base[spring] > 0.0 { 1.0 / (self.stiffest * base[spring]) } else { 0.0 };
         let wanted: Vec<(usize, f64)> =
             varied.iter().map(|&v| (v, stiffest(v))).chain((s..rows.nrows()).map(|r| (r, 0.0))).collect();
         let above =

@@ -23,6 +23,8 @@ pub struct BasisOptions {
     /// Inertia of a static response that may be cut at `frequency`, as a share of the joint's own
     /// flexibility; the square root of it.
     pub tolerance: f64,
+    /// Designs may stiffen a joint up to this factor without a new basis.
+    pub stiffest: f64,
 }
 
 impl BasisOptions {
@@ -31,12 +33,9 @@ impl BasisOptions {
     /// On the bundled mill, 900 Hz: 272 coordinates and 1e-6 of the first 30 frequencies against the
     /// superelements side by side, over the travel.
     pub fn up_to(frequency: f64) -> Self {
-        Self { frequency, band: 2.0 * frequency, tolerance: 1.5e-3 }
+        Self { frequency, band: 2.0 * frequency, tolerance: 1.5e-3, stiffest: 4.0 }
     }
 }
-
-/// Designs may stiffen a joint up to this factor without a new basis.
-pub(super) const STIFFEST: f64 = 4.0;
 
 /// Training positions lie at most this share of the shortest footprint apart.
 const SPACING: f64 = 0.28;
@@ -74,7 +73,7 @@ impl FixedBasis {
         let high_eigenvalues: Vec<f64> = high.iter().map(|&i| machine.eigenvalues[i]).collect();
         let mut basis =
             Self { low, high, high_eigenvalues, directions: DMatrix::zeros(0, 0), eigenvalues: DVector::zeros(0) };
-        let responses = basis.training_responses(machine, (TAU * options.frequency).powi(2))?;
+        let responses = basis.training_responses(machine, (TAU * options.frequency).powi(2), options.stiffest)?;
         let span = orthonormal_span(&responses, options.tolerance)?;
         let (directions, values) = stiffness_axes(&span, &basis.high_eigenvalues)?;
         basis.directions = directions;
@@ -85,7 +84,12 @@ impl FixedBasis {
 
     /// Columns omega Lambda^-1 b and omega^3 Lambda^-2 b, relative to each spring's own flexibility
     /// in series with that of the high coordinates.
-    fn training_responses(&self, machine: &SideBySide, omega_squared: f64) -> Result<DMatrix<f64>, CouplingError> {
+    fn training_responses(
+        &self,
+        machine: &SideBySide,
+        omega_squared: f64,
+        stiffest: f64,
+    ) -> Result<DMatrix<f64>, CouplingError> {
         let lambda = &self.high_eigenvalues;
         let mut columns: Vec<DVector<f64>> = Vec::new();
         let mut push = |row: &[f64], flexibility: f64| {
@@ -98,7 +102,7 @@ impl FixedBasis {
         let rows = positions.iter().map(|&p| machine.rows(p)).collect::<Result<Vec<_>, _>>()?;
         let stiffness = positions.iter().map(|&p| machine.stiffness(p)).collect::<Result<Vec<_>, _>>()?;
         for s in 0..rows[0].nrows() {
-            let stiffest = STIFFEST * stiffness.iter().map(|k| k[s]).fold(0.0, f64::max);
+            let stiffest = stiffest * stiffness.iter().map(|k| k[s]).fold(0.0, f64::max);
             let flexibility = if stiffest > 0.0 { 1.0 / stiffest } else { 0.0 };
             let mut previous: Option<Vec<f64>> = None;
             for rows in &rows {

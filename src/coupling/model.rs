@@ -27,6 +27,8 @@ pub struct CoupledModel {
     pub side_by_side: SideBySide,
     /// What free motions and loss factors need to know of each part.
     pub parts: Vec<PartShare>,
+    /// Designs may stiffen a joint up to this factor.
+    pub stiffest: f64,
     basis: FixedBasis,
 }
 
@@ -134,7 +136,7 @@ pub fn couple(
         }
     };
     let parts = machine.parts.iter().enumerate().map(share).collect();
-    Ok(CoupledModel { eigenvalues: basis.eigenvalues.clone(), side_by_side, parts, basis })
+    Ok(CoupledModel { eigenvalues: basis.eigenvalues.clone(), side_by_side, parts, stiffest: options.stiffest, basis })
 }
 
 impl CoupledModel {

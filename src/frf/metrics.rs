@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::modal_sum::sum_at;
 use super::packing::{Denominator, PackedSystem, Packing};
 use super::point::{Response, Weights};
-use super::{ComplianceMap, FrfError, FrfRequest, Quantity};
+use super::{ComplianceMap, FrfError, FrfRequest, GridSearch, Quantity, Tile, TileRange};
 
 /// An extreme value and where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,29 +77,13 @@ pub fn metrics(
     refine(request, pairs, &grid_extrema(map, pairs))
 }
 
-/// Extrema on the grid of a map, `[position][pair]`.
+/// Extrema on the grid of a map, `[position][pair]`; of a map in tiles, [`GridSearch`] finds them.
 pub fn grid_extrema(map: &ComplianceMap, pairs: &[(usize, usize)]) -> Vec<Vec<GridExtrema>> {
-    (0..map.positions.len())
-        .into_par_iter()
-        .map(|position| {
-            pairs
-                .iter()
-                .map(|&(i, j)| {
-                    let (mut peak, mut real) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));
-                    for k in 0..map.frequencies.len() {
-                        let h = map.at(position, k, i, j);
-                        if h.norm_sqr() > peak.1 {
-                            peak = (k, h.norm_sqr());
-                        }
-                        if h.re < real.1 {
-                            real = (k, h.re);
-                        }
-                    }
-                    GridExtrema { peak: peak.0, most_negative_real: real.0 }
-                })
-                .collect()
-        })
-        .collect()
+    let values_per_pair = map.outputs.len() * map.inputs.len();
+    let mut search = GridSearch::with(map.positions.len(), map.inputs.len(), values_per_pair, pairs);
+    let range = TileRange { positions: 0..map.positions.len(), frequencies: 0..map.frequencies.len() };
+    search.look(&Tile { range, values: &map.values });
+    search.finish()
 }
 
 /// Refines extrema on the grid with the modes of the request, `[position][pair]`.

@@ -9,6 +9,7 @@
 mod error;
 mod extrema;
 pub mod grid;
+mod grid_search;
 mod kernel;
 mod map;
 pub mod metrics;
@@ -24,6 +25,7 @@ mod truncation;
 pub use error::FrfError;
 pub use extrema::refined_extrema;
 pub use grid::FrequencyGrid;
+pub use grid_search::GridSearch;
 pub use map::ComplianceMap;
 pub(crate) use modal_sum::zeros;
 pub use modal_sum::{modal_sum, modal_sum_into, modal_sum_tiles};

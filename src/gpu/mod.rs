@@ -29,5 +29,6 @@ pub use cache::MeasuredCache;
 pub use device::Gpu;
 pub use error::GpuError;
 pub use kernels::Kernels;
+pub use metrics::compute_metrics;
 pub use modal_sum::{modal_sum, modal_sum_tiles, modal_sum_without_low_parts, shader_inputs};
 pub use shader::{Params, Precision};

@@ -12,6 +12,7 @@ mod analysis;
 mod axis;
 mod bundled;
 mod error;
+mod frequencies;
 mod interfaces;
 mod joint_kinds;
 mod joints;
@@ -26,6 +27,7 @@ pub(crate) mod table;
 
 pub use bundled::bundled_vertical_mill;
 pub use error::{MachineError, Place};
+pub use frequencies::{DEFAULT_BACKGROUND, DEFAULT_POINTS, logarithmic_frequencies, uniform_frequencies};
 pub use model::*;
 pub use nearest::nearest;
 pub use quantity::{Dimension, QuantityError, parse_quantity};

@@ -5,7 +5,7 @@ mod solve;
 mod tracking;
 
 pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at, modes_of};
-pub use tracking::{mode_table, track};
+pub use tracking::{Tracker, mode_table, track};
 
 use crate::coupling::CouplingError;
 use crate::linalg::LinalgError;

@@ -5,9 +5,6 @@ use crate::interrupt::Interrupt;
 use crate::machine::Machine;
 use crate::reduction::Superelement;
 
-/// A spring may grow by this factor before a design is prepared afresh: the fixed basis is trained for it.
-const FARTHEST: f64 = 4.0;
-
 /// The nominal machine, prepared, and what it takes to prepare another.
 #[derive(Debug)]
 pub(super) struct Bases<'a> {
@@ -79,7 +76,7 @@ impl<'a> Bases<'a> {
                     let what = format!("a spring's stiffness at position {} m", around.position);
                     return Err(SweepError::Value { what, seen: stiffness, allowed: "0 or more, finite" });
                 }
-                if stiffness > FARTHEST * base {
+                if stiffness > (1.0 + 1e-9) * self.nominal.model.stiffest * base {
                     return Ok(true);
                 }
             }

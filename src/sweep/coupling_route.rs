@@ -22,7 +22,7 @@ use rayon::prelude::*;
 /// Designs of a batch: the base's receptances are formed once a batch.
 const BATCH: usize = 256;
 /// Step of the grid, as a share of half a half-power bandwidth.
-const STEP: f64 = 0.7;
+const STEP: f64 = 0.45;
 /// The finest grid, as half a relative bandwidth.
 const SHARPEST: f64 = 2e-4;
 /// The grid is fine from this share of the lowest eigenfrequency on.

@@ -32,7 +32,7 @@ pub mod variables;
 pub use coupling_route::CouplingRoute;
 pub use design::{Design, PartScale};
 pub use modes_route::ModesRoute;
-pub use prepared::{Prepared, Request};
+pub use prepared::{Prepared, Request, varied_springs};
 pub use sensitivity::Sensitivity;
 pub use study::{Study, read_study};
 pub use study_error::StudyError;

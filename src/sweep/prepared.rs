@@ -54,7 +54,12 @@ impl Prepared {
         probes: &[Design],
         interrupt: &Interrupt,
     ) -> Result<Self, SweepError> {
-        let model = couple(machine, superelements, BasisOptions::up_to(request.highest))?;
+        let options = BasisOptions::up_to(request.highest);
+        let mut model = couple(machine, superelements, options)?;
+        let stiffest = stiffest(&model, machine, probes, &request.positions)?;
+        if stiffest > options.stiffest {
+            model = couple(machine, superelements, BasisOptions { stiffest, ..options })?;
+        }
         let shapes = nominal_shapes(&model, machine, request)?;
         let varied = varied_springs(machine, probes);
         Self::around_nominal(model, machine, request, &varied, shapes, |model| identity(model.n()), interrupt)
@@ -74,7 +79,8 @@ impl Prepared {
     ) -> Result<Self, SweepError> {
         let scaled: Vec<Superelement> =
             superelements.iter().zip(scales).map(|(s, scale)| s.scaled(scale.young, scale.density)).collect();
-        let model = couple(machine, &scaled, BasisOptions::up_to(request.highest))?;
+        let options = BasisOptions { stiffest: self.model.stiffest, ..BasisOptions::up_to(request.highest) };
+        let model = couple(machine, &scaled, options)?;
         let varied = self.around.first().map(|a| a.varied.clone()).unwrap_or_default();
         // Both bases stand over the mass-normalised coordinates of the same superelements.
         let crossed = |model: &CoupledModel| {
@@ -140,8 +146,23 @@ fn nominal_shapes(
     Ok(shapes.collect())
 }
 
+/// The largest factor by which a probe stiffens a spring.
+fn stiffest(model: &CoupledModel, machine: &Machine, probes: &[Design], positions: &[f64]) -> Result<f64, SweepError> {
+    let mut largest: f64 = 1.0;
+    for &position in positions {
+        let base = model.spring_values(machine, position)?.stiffness;
+        for probe in probes {
+            // A probe that cannot be coupled here is a design that says so itself.
+            let Ok(values) = model.spring_values(&probe.machine, position) else { continue };
+            let ratios = values.stiffness.iter().zip(&base).filter(|(_, base)| **base > 0.0).map(|(k, base)| k / base);
+            largest = ratios.fold(largest, f64::max);
+        }
+    }
+    Ok(largest)
+}
+
 /// Springs, numbered through all joints, whose stiffness a probe changes or that dissipate.
-fn varied_springs(machine: &Machine, probes: &[Design]) -> Vec<usize> {
+pub fn varied_springs(machine: &Machine, probes: &[Design]) -> Vec<usize> {
     let springs = |m: &Machine| -> Vec<(SpringStiffness, bool)> {
         let of = |j: &Joint| {
             j.springs.iter().map(|s| (s.stiffness, s.damping > 0.0 || j.loss_factor > Some(0.0))).collect::<Vec<_>>()

@@ -109,6 +109,10 @@ impl ModesRoute<'_> {
         let at_rest = pairs.map(|p| slope.at_rest(p.output, p.input));
         let families = prepared.families[index].iter().map(|shape| {
             let r = super::modes_route::family_mode(&modes, shape.as_ref()?)?;
+            // A free motion stays at 0 Hz.
+            if r < modes.free {
+                return Some(0.0);
+            }
             let rate: f64 = rates.iter().enumerate().map(|(s, k)| k * elongations[(s, r)].powi(2)).sum();
             Some(rate / (2.0 * TAU * TAU * modes.frequency(r)))
         });

@@ -55,10 +55,20 @@ impl Study {
         design(&self.machine, &self.variables, values)
     }
 
-    /// Two designs that differ from each other in every place that is varied.
+    /// Designs at the corners of the variables' ranges: all of them up to six variables, the two opposite
+    /// ones and each end alone beyond. They differ from each other in every place that is varied.
     pub fn probes(&self) -> Vec<Design> {
-        let ends = [0.0, 1.0].map(|place| self.variables.iter().map(|v| v.at(place)).collect::<Vec<f64>>());
-        ends.iter().map(|values| self.design(values)).collect()
+        let n = self.variables.len();
+        let corner = |high: &dyn Fn(usize) -> bool| -> Vec<f64> {
+            self.variables.iter().enumerate().map(|(i, v)| v.at(if high(i) { 1.0 } else { 0.0 })).collect()
+        };
+        let corners: Vec<Vec<f64>> = if n <= 6 {
+            (0..1_usize << n).map(|bits| corner(&|i| bits >> i & 1 == 1)).collect()
+        } else {
+            let alone = (0..n).flat_map(|k| [corner(&|i| i == k), corner(&|i| i != k)]);
+            [corner(&|_| false), corner(&|_| true)].into_iter().chain(alone).collect()
+        };
+        corners.iter().map(|values| self.design(values)).collect()
     }
 
     /// The machine's own value of each variable, where it has one.

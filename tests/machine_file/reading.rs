@@ -196,6 +196,26 @@ fn the_other_forms_of_region_frequencies_and_damping_are_read() {
 }
 
 #[test]
+fn grids_and_quantities_are_read() {
+    let table = "{ from = \"0 Hz\", to = \"10 Hz\", step = \"1 Hz\" }";
+    let machine = accepted(table, "{ grid = \"uniform\", from = 0, to = 10, step = 5 }");
+    assert_eq!((machine.analysis.grid, &machine.analysis.frequencies[..]), (Grid::Uniform, &[0.0, 5.0, 10.0][..]));
+    let machine = accepted(table, "{ grid = \"logarithmic\", from = \"1 Hz\", to = \"0.1 kHz\", count = 3 }");
+    let found = &machine.analysis.frequencies;
+    assert_eq!((machine.analysis.grid, found.len(), found[0], found[2]), (Grid::Logarithmic, 3, 1.0, 100.0));
+    assert!((found[1] - 10.0).abs() < 1e-12);
+    let machine = accepted(table, "{ grid = \"clustered\", from = 0, to = 100 }");
+    assert_eq!((machine.analysis.grid, machine.analysis.frequencies.len()), (Grid::Clustered { points: 13 }, 101));
+    let machine = accepted(table, "{ grid = \"clustered\", from = 0, to = 1, points = 7, background = 3 }");
+    let analysis = &machine.analysis;
+    assert_eq!((analysis.grid, &analysis.frequencies[..]), (Grid::Clustered { points: 7 }, &[0.0, 0.5, 1.0][..]));
+    assert_eq!(accepted(table, "[1, 2]").analysis.grid, Grid::Listed);
+    assert_eq!(machine.analysis.quantity, Quantity::Receptance);
+    let machine = accepted("damping = { ratio = 0.02 }", "damping = { ratio = 0.02 }\nquantity = \"accelerance\"");
+    assert_eq!(machine.analysis.quantity, Quantity::Accelerance);
+}
+
+#[test]
 fn a_ball_screws_free_length_and_second_support_are_read() {
     let screw = |machine: Machine| machine.joints[1].springs[0].stiffness;
     let read = screw(accepted("diameter = \"40 mm\"", "diameter = \"40 mm\"\nfree_length = \"350 mm\""));

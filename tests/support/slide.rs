@@ -102,6 +102,8 @@ pub fn fixed_machine(parts: Vec<Part>, joints: Vec<Joint>, port: InterfaceRef) -
             component: craig_bampton(20),
             modes: 10,
             frequencies: vec![0.0, 100.0],
+            grid: Grid::Listed,
+            quantity: Quantity::Receptance,
             damping: ratio(0.02),
         },
     }
