@@ -71,7 +71,8 @@ fn read_quantity(item: &Item<'_>) -> Result<Quantity> {
         .ok_or_else(|| item.refuse("\"receptance\", \"mobility\" or \"accelerance\"", "write one of them"))
 }
 
-fn read_damping(item: &Item<'_>) -> Result<Damping> {
+/// Reads a `damping` table: `ratio`, `ratios`, `rayleigh`, `loss_factor`.
+pub(crate) fn read_damping(item: &Item<'_>) -> Result<Damping> {
     let table = item.table()?;
     let (one, many) = (table.get("ratio"), table.get("ratios"));
     let rayleigh = table.get("rayleigh").map(|item| read_rayleigh(&item)).transpose()?;

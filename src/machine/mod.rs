@@ -25,6 +25,7 @@ mod read;
 mod springs;
 pub(crate) mod table;
 
+pub(crate) use analysis::read_damping;
 pub use bundled::bundled_vertical_mill;
 pub use error::{MachineError, Place};
 pub use frequencies::{DEFAULT_BACKGROUND, DEFAULT_POINTS, logarithmic_frequencies, uniform_frequencies};

@@ -9,7 +9,7 @@ use super::study_error::StudyError;
 use super::variable_reading::read_variables;
 use super::variables::{Variable, design};
 use crate::machine::table::{Bound as Sign, Item, Source, Table};
-use crate::machine::{Dimension, Machine, MachineError, read_machine};
+use crate::machine::{Dimension, Machine, MachineError, read_damping, read_machine};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
@@ -121,7 +121,10 @@ pub fn read_study(path: &Path) -> Result<Study, StudyError> {
         MachineError::Syntax { file: path.to_path_buf(), line, column, message: error.message().to_owned() }
     })?;
     let root = Table::root(&source, document.get_ref());
-    let machine = read_its_machine(&root, path)?;
+    let mut machine = read_its_machine(&root, path)?;
+    if let Some(item) = root.get("damping") {
+        machine.analysis.damping = read_damping(&item)?;
+    }
     let name_item = root.need("name", "name = \"my study\"")?;
     let name = name_item.text()?;
     name_item.check_name(name)?;

@@ -6,6 +6,7 @@ mod goals;
 mod interrupted;
 mod optimum;
 mod refusals;
+mod routes;
 mod samples;
 mod shards;
 #[path = "../support/mod.rs"]
