@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod devices;
 mod init;
+mod modes;
 mod overrides;
 mod progress;
 mod record;
@@ -37,6 +38,8 @@ enum Command {
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
     Init(init::Arguments),
+    /// Compute the frequencies of one CalculiX or Abaqus deck
+    Modes(modes::Arguments),
     /// List the adapters that could compute a map
     Devices(devices::Arguments),
     /// Measure the compliance kernel on the processor and on each adapter
@@ -70,6 +73,7 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
         Command::Run(arguments) => run::run(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
+        Command::Modes(arguments) => modes::modes(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     }
