@@ -10,7 +10,7 @@ use stiffmap::solid::assemble;
 
 /// A ring about z: a bar of bricks bent round, its two ends joined.
 fn ring(radius: f64, width: f64, around: usize) -> Mesh {
-    let mut mesh = grid(CellKind::Hex20, [1.0, width, width], [around, 1, 1]);
+    let mut mesh = grid(CellKind::Hex20, [1.0, width, width], [around, 2, 2]);
     let lattice: Vec<[f64; 3]> = mesh.nodes.clone();
     let first = |x: &[f64; 3]| lattice.iter().position(|y| y[0] == 0.0 && y[1..] == x[1..]).expect("the other end");
     let joined: Vec<usize> = lattice.iter().enumerate().map(|(n, x)| if x[0] == 1.0 { first(x) } else { n }).collect();
@@ -28,7 +28,7 @@ fn ring(radius: f64, width: f64, around: usize) -> Mesh {
 #[test]
 fn a_free_ring_has_six_rigid_motions_and_pairs_at_the_frequencies_of_the_closed_form() {
     let (radius, width) = (0.25, 0.01);
-    let found = modes(&ring(radius, width, 72), &[], 26);
+    let found = modes(&ring(radius, width, 60), &[], 26);
     assert_eq!(found.rigid, 6);
     assert_eq!(found.eigenvalues.len(), 26);
     let frequencies = elastic(&found);
