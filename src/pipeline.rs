@@ -1,11 +1,11 @@
 //! The main job's stages, each a function from one named struct to the next.
 
-use crate::coupling::{BasisOptions, CoupledModel, CouplingError, couple, reduction_requests};
+use crate::coupling::{BasisOptions, CoupledModel, CouplingError, check_screw, couple, reduction_requests};
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, symmetric_eigen};
-use crate::machine::{Joint, JointPoint, Machine};
-use crate::mesh::{MeshError, MeshFile, read_mesh_file};
-use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, check_count, modes_at, track};
+use crate::machine::{Damping, Joint, JointPoint, Machine, SpringStiffness};
+use crate::mesh::{MeshError, MeshFile, read_part_mesh};
+use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, Tracker, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
 use crate::solid::{SolidError, interface_motions};
 use rayon::prelude::*;
@@ -55,7 +55,7 @@ pub type Step<'a> = &'a (dyn Fn() + Sync);
 /// # Errors
 /// [`PipelineError::Mesh`], with file and line.
 pub fn read_meshes(machine: &Machine) -> Result<Vec<MeshFile>, PipelineError> {
-    machine.parts.par_iter().map(|part| Ok(read_mesh_file(&part.mesh, part.mesh_units)?)).collect()
+    machine.parts.par_iter().map(|part| Ok(read_part_mesh(part)?)).collect()
 }
 
 /// Reduces every part, parts in parallel; superelements come from the cache where there is one.
@@ -169,20 +169,66 @@ pub fn solve_positions(
     step: Step<'_>,
 ) -> Result<Solved, PipelineError> {
     let damping = &machine.analysis.damping;
-    let polished = reported + 16;
+    let (modes, counts) = solve_all(model, damping, positions, reported, interrupt, step)?;
+    let families = track(&modes, reported, &|position| modes_at(model, damping, position, reported + 16))?;
+    Ok(Solved { modes, counts, families })
+}
+
+/// Positions that are solved together where their shapes are not kept.
+const BATCH: usize = 64;
+
+/// [`solve_positions`] in the memory of a few: of all but the first position the shapes in the basis are given up once
+/// they are tracked (they become empty; those at the ports stay). 12,000 positions of 150 coordinates would hold 2 GB.
+///
+/// # Errors
+/// As [`solve_positions`].
+pub fn solve_many_positions(
+    machine: &Machine,
+    model: &CoupledModel,
+    positions: &[f64],
+    reported: usize,
+    interrupt: &Interrupt,
+    step: Step<'_>,
+) -> Result<Solved, PipelineError> {
+    let damping = &machine.analysis.damping;
+    let solve = |position| modes_at(model, damping, position, reported + 16);
+    let mut tracker = Tracker::new(reported);
+    let mut modes: Vec<Modes> = Vec::with_capacity(positions.len());
+    let mut counts = Vec::with_capacity(positions.len());
+    let give_up = |modes: &mut Modes| modes.shapes = nalgebra::DMatrix::zeros(0, 0);
+    for batch in positions.chunks(BATCH) {
+        let (batch, counted) = solve_all(model, damping, batch, reported, interrupt, step)?;
+        counts.extend(counted);
+        for next in batch {
+            tracker.follow(modes.last(), &next, &solve)?;
+            if let Some(before) = modes.iter_mut().skip(1).next_back() {
+                give_up(before);
+            }
+            modes.push(next);
+        }
+    }
+    modes.iter_mut().skip(1).for_each(give_up);
+    Ok(Solved { modes, counts, families: tracker.finish() })
+}
+
+fn solve_all(
+    model: &CoupledModel,
+    damping: &Damping,
+    positions: &[f64],
+    reported: usize,
+    interrupt: &Interrupt,
+    step: Step<'_>,
+) -> Result<(Vec<Modes>, Vec<ModeCount>), PipelineError> {
     let one = |&position: &f64| -> Result<(Modes, ModeCount), PipelineError> {
         if interrupt.requested() {
             return Err(PipelineError::Interrupted);
         }
-        let modes = modes_at(model, damping, position, polished)?;
+        let modes = modes_at(model, damping, position, reported + 16)?;
         let count = check_count(model, &modes, modes.free + reported)?;
         step();
         Ok((modes, count))
     };
-    let (modes, counts): (Vec<Modes>, Vec<ModeCount>) =
-        positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-    let families = track(&modes, reported, &|position| modes_at(model, damping, position, polished))?;
-    Ok(Solved { modes, counts, families })
+    Ok(positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }
 
 /// What the user should know about the cache.
@@ -190,13 +236,17 @@ pub fn cache_warnings(parts: &[Cached]) -> Vec<String> {
     parts.iter().flat_map(|p| p.warnings.iter().map(CacheError::to_string)).collect()
 }
 
-/// Free length of a ball screw at a position, from the interfaces' centroids in the drawn pose, m.
+/// Free length of a ball screw at a position, m: its own, or from the interfaces' centroids in the drawn pose.
 pub fn screw_length(machine: &Machine, joint: &Joint, centroids: &[Vec<[f64; 3]>], position: f64) -> f64 {
     let axis = &machine.axis;
     let direction = joint.springs.first().map_or(axis.direction, |s| s.direction);
     let drawn = joint.between.map(|side| centroids[side.part][side.interface]);
     let moves = joint.between.map(|side| axis.moves[side.part]);
-    crate::coupling::free_length(drawn, moves, position, axis, direction)
+    let at_zero = joint.springs.iter().find_map(|s| match s.stiffness {
+        SpringStiffness::BallScrew { free_length, .. } => free_length,
+        SpringStiffness::Constant(_) => None,
+    });
+    crate::coupling::free_length(drawn, moves, position, axis, direction, at_zero)
 }
 
 /// Checks every station of the travel from the meshes alone: footprints on their rails, screws of
@@ -212,14 +262,11 @@ pub fn check_travel(
     let axis = &machine.axis;
     let mut warnings = Vec::new();
     for joint in &machine.joints {
-        let screw =
-            joint.springs.iter().any(|s| matches!(s.stiffness, crate::machine::SpringStiffness::BallScrew { .. }));
-        for position in axis.travel.iter().filter(|_| screw) {
-            let length = screw_length(machine, joint, centroids, *position);
-            if length.is_nan() || length <= 0.0 {
-                return Err(
-                    CouplingError::ScrewLength { joint: joint.name.clone(), position: *position, length }.into()
-                );
+        for spring in &joint.springs {
+            let SpringStiffness::BallScrew { support, .. } = spring.stiffness else { continue };
+            for &position in &axis.travel {
+                let length = screw_length(machine, joint, centroids, position);
+                check_screw(&joint.name, support, position, length)?;
             }
         }
         let Some(footprint) = joint.footprint else { continue };

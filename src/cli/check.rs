@@ -6,7 +6,7 @@ use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::coupling::reduction_requests;
-use stiffmap::machine::{JointKind, Machine, Motion, SpringStiffness, read_machine};
+use stiffmap::machine::{Grid, JointKind, Machine, Motion, ScrewSupport, SpringStiffness, read_machine};
 use stiffmap::pipeline;
 use stiffmap::solid::assemble;
 
@@ -78,12 +78,16 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
                     format!("{} {} N/um", s.label, (k * 1e-2).round() * 1e-4)
                 }
                 (SpringStiffness::Constant(k), Motion::Rotation) => format!("{} {k:.4e} N m/rad", s.label),
-                (SpringStiffness::BallScrew { young, diameter }, _) => {
+                (SpringStiffness::BallScrew { young, diameter, support, .. }, _) => {
                     let length = |p: f64| pipeline::screw_length(machine, joint, centroids, p);
-                    let k = |p: f64| young * std::f64::consts::PI * diameter * diameter / (4.0 * length(p)) * 1e-6;
+                    let k = |p: f64| support.stiffness(young, diameter, length(p)) * 1e-6;
+                    let held = match support {
+                        ScrewSupport::OneEnd => String::new(),
+                        ScrewSupport::BothEnds { span } => format!(", held at both ends {span:.4} m apart"),
+                    };
                     let [a, b] = machine.axis.travel;
                     format!(
-                        "E {:.1} GPa, D {:.1} mm, L {:.4} m at {a} m ({:.1} N/um), L {:.4} m at {b} m ({:.1} N/um)",
+                        "E {:.1} GPa, D {:.1} mm, L {:.4} m at {a} m ({:.1} N/um), L {:.4} m at {b} m ({:.1} N/um){held}",
                         young * 1e-9,
                         diameter * 1e3,
                         length(a),
@@ -144,12 +148,17 @@ fn describe_axis(out: &mut String, machine: &Machine) -> Result<()> {
     let grid = &machine.analysis.frequencies;
     writeln!(
         out,
-        "analysis: {} component modes a part, {} elastic modes a position, {} frequencies from {} to {} Hz",
+        "analysis: {} component modes a part, {} elastic modes a position, {} from {} to {} Hz ({} grid{})",
         machine.analysis.component.modes,
         machine.analysis.modes,
-        grid.len(),
+        machine.analysis.quantity.name(),
         grid.first().copied().unwrap_or_default(),
-        grid.last().copied().unwrap_or_default()
+        grid.last().copied().unwrap_or_default(),
+        machine.analysis.grid.name(),
+        match machine.analysis.grid {
+            Grid::Clustered { points } => format!(", {points} frequencies a mode on {}", grid.len()),
+            _ => format!(", {} frequencies", grid.len()),
+        }
     )?;
     Ok(())
 }

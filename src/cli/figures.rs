@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use stiffmap::export::{response, vts};
 use stiffmap::figures::report::{DATABASE_FILE, Database, PAGE_FILE, write_page};
 use stiffmap::figures::{FigureInput, HeightScale, ImpulseInput, draw_all, draw_impulse};
-use stiffmap::frf::{ComplianceMap, FrfRequest, ModalSystem, Quantity, modal_sum};
+use stiffmap::frf::{ComplianceMap, ModalSystem, modal_sum};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::modal::ModeFamilies;
 use stiffmap::pipeline::PipelineError;
 
 use super::UsageError;
+use super::map::Axes;
+use super::pictures::picture_map;
 
-/// Frequencies a picture is made of, at least; a coarser grid is divided.
-const PICTURE_FREQUENCIES: usize = 3600;
-/// Values that a picture's map may hold.
-const PICTURE_VALUES: usize = 6_000_000;
+/// A map larger than this is thinned for ParaView as for pictures, bytes.
+const LARGEST_SURFACES: u64 = 512 << 20;
 
 #[derive(Args, Debug)]
 pub struct Arguments {
@@ -31,47 +31,18 @@ pub struct Arguments {
 pub struct Shown<'a> {
     pub machine: &'a str,
     pub axis: &'a str,
-    pub positions: &'a [f64],
-    pub frequencies: &'a [f64],
-    pub outputs: &'a [String],
-    pub inputs: &'a [String],
+    pub axes: &'a Axes,
     pub systems: &'a [ModalSystem],
     pub families: &'a ModeFamilies,
     pub height: HeightScale,
 }
 
 impl Shown<'_> {
-    fn map(&self, frequencies: &[f64]) -> Result<ComplianceMap> {
-        let request = FrfRequest {
-            positions: self.positions,
-            systems: self.systems,
-            frequencies,
-            outputs: self.outputs,
-            inputs: self.inputs,
-            quantity: Quantity::Receptance,
-        };
-        Ok(modal_sum(&request)?)
-    }
-
-    /// A grid fine enough for narrow peaks.
-    fn fine(&self) -> Vec<f64> {
-        let given = self.frequencies;
-        let pairs = self.positions.len() * self.outputs.len() * self.inputs.len();
-        let wanted = PICTURE_FREQUENCIES.min(PICTURE_VALUES / pairs.max(1));
-        let divide = (wanted / given.len().max(1)).max(1);
-        let mut frequencies: Vec<f64> = given
-            .windows(2)
-            .flat_map(|w| (0..divide).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / divide as f64))
-            .collect();
-        frequencies.extend(given.last());
-        frequencies
-    }
-
     /// Draws every picture into `figures` below a folder; returns the files.
     pub fn draw(&self, out: &Path, interrupt: &Interrupt) -> Result<Vec<PathBuf>> {
         let folder = out.join("figures");
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        let map = self.map(&self.fine())?;
+        let map = picture_map(self.axes, self.systems, interrupt)?;
         go_on(interrupt)?;
         let input = FigureInput {
             machine: self.machine,
@@ -83,18 +54,49 @@ impl Shown<'_> {
         let mut files = draw_all(&input, &folder)?;
         go_on(interrupt)?;
         // The topmost position, as in the paper: the largest along the axis.
-        let top = (0..self.positions.len()).max_by(|&a, &b| self.positions[a].total_cmp(&self.positions[b]));
+        let positions = &self.axes.positions;
+        let top = (0..positions.len()).max_by(|&a, &b| positions[a].total_cmp(&positions[b]));
         if let Some(top) = top {
             let impulse = ImpulseInput {
                 machine: self.machine,
                 axis: self.axis,
-                position: self.positions[top],
+                position: positions[top],
                 system: &self.systems[top],
-                outputs: self.outputs,
-                inputs: self.inputs,
-                highest: self.frequencies.iter().copied().fold(0.0, f64::max),
+                outputs: &self.axes.outputs,
+                inputs: &self.axes.inputs,
+                highest: self.axes.frequencies.iter().copied().fold(0.0, f64::max),
             };
             files.extend(draw_impulse(&impulse, &folder)?);
+        }
+        Ok(files)
+    }
+
+    /// `surface_<label>.vts` of every direct response, from the run's map where it is in memory; returns the files.
+    pub fn write_surfaces(
+        &self,
+        out: &Path,
+        map: Option<&ComplianceMap>,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<PathBuf>> {
+        let computed;
+        let map = match map {
+            Some(map) => map,
+            None if self.axes.bytes() <= LARGEST_SURFACES => {
+                computed = modal_sum(&self.axes.request(self.systems))?;
+                &computed
+            }
+            None => {
+                computed = picture_map(self.axes, self.systems, interrupt)?;
+                &computed
+            }
+        };
+        let mut files = Vec::new();
+        if map.positions.len() > 1 && map.frequencies.len() > 1 {
+            for one in response::direct_responses(map) {
+                let path = out.join(format!("surface_{}.vts", one.label));
+                vts::write_surface(&path, map, &one)?;
+                files.push(path);
+            }
         }
         Ok(files)
     }
@@ -120,19 +122,18 @@ pub fn figures(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let (positions, frequencies) = database.axes().ok_or_else(damaged)?;
     let (systems, families) = (database.systems().ok_or_else(damaged)?, database.families().ok_or_else(damaged)?);
     let header = &database.header;
+    let quantity = database.quantity().ok_or_else(damaged)?;
+    let (outputs, inputs) = (header.outputs.clone(), header.inputs.clone());
     let shown = Shown {
         machine: &header.machine,
         axis: &header.axis,
-        positions: &positions,
-        frequencies: &frequencies,
-        outputs: &header.outputs,
-        inputs: &header.inputs,
+        axes: &Axes { positions, frequencies, outputs, inputs, quantity },
         systems: &systems,
         families: &families,
         height: if arguments.logarithmic { HeightScale::Logarithmic } else { HeightScale::Linear },
     };
     let mut files = shown.draw(out, interrupt)?;
-    files.extend(write_surfaces(out, &shown.map(&frequencies)?)?);
+    files.extend(shown.write_surfaces(out, None, interrupt)?);
     go_on(interrupt)?;
     let manifest = out.join("manifest.json");
     let record = std::fs::read_to_string(&manifest)
@@ -147,17 +148,4 @@ pub fn figures(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         eprintln!("{}", file.display());
     }
     Ok(())
-}
-
-/// `surface_<label>.vts` of every direct response; returns the files.
-pub fn write_surfaces(out: &Path, map: &ComplianceMap) -> Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    if map.positions.len() > 1 && map.frequencies.len() > 1 {
-        for one in response::direct_responses(map) {
-            let path = out.join(format!("surface_{}.vts", one.label));
-            vts::write_surface(&path, map, &one)?;
-            files.push(path);
-        }
-    }
-    Ok(files)
 }

@@ -3,19 +3,32 @@
 mod bench;
 mod check;
 mod devices;
+mod evaluator;
 mod figures;
+mod frequencies;
 mod init;
+mod map;
+mod memory;
+mod modes;
+mod optimise;
 mod overrides;
+mod pictures;
 mod progress;
 mod record;
 mod report;
 mod run;
 mod summary;
+mod sweep;
+mod sweep_figures;
+mod sweep_files;
+mod sweep_progress;
+mod sweep_rates;
 mod view;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
+use stiffmap::coupling::CouplingError;
 use stiffmap::export::ExportError;
 use stiffmap::figures::report::ReportError;
 use stiffmap::frf::FrfError;
@@ -24,6 +37,7 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
+use stiffmap::sweep::{StudyError, SweepError, TableError};
 
 /// Dynamic stiffness of a machine tool over its whole work volume.
 #[derive(Parser, Debug)]
@@ -37,6 +51,10 @@ pub struct Cli {
 enum Command {
     /// The main job: from the machine file to modes, state space, compliance map and pictures
     Run(run::Arguments),
+    /// Evaluate the designs of a study: a table with one row a design
+    Sweep(sweep::Arguments),
+    /// Look for the best design of a study under its bounds
+    Optimise(optimise::Arguments),
     /// Print what is understood of a machine, without solving
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
@@ -45,6 +63,8 @@ enum Command {
     Figures(figures::Arguments),
     /// Open the report page of a result folder in the browser, or serve it on this machine alone
     View(view::Arguments),
+    /// Compute the frequencies of one CalculiX or Abaqus deck
+    Modes(modes::Arguments),
     /// List the adapters that could compute a map
     Devices(devices::Arguments),
     /// Measure the compliance kernel on the processor and on each adapter
@@ -76,10 +96,13 @@ pub struct UsageError(pub String);
 pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
     match cli.command {
         Command::Run(arguments) => run::run(&arguments, interrupt),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, interrupt),
+        Command::Optimise(arguments) => optimise::optimise(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
         Command::Figures(arguments) => figures::figures(&arguments, interrupt),
         Command::View(arguments) => view::view(&arguments, interrupt),
+        Command::Modes(arguments) => modes::modes(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     }
@@ -93,13 +116,27 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
     let input = error.is::<UsageError>()
         || error.is::<MachineError>()
         || error.is::<MeshError>()
+        || error.is::<StudyError>()
+        || error.downcast_ref::<TableError>().is_some_and(TableError::is_input)
+        || error.downcast_ref::<SweepError>().is_some_and(is_design_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
-        || error
-            .downcast_ref::<FrfError>()
-            .is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))
         || matches!(error.downcast_ref(), Some(ReportError::NoDatabase { .. } | ReportError::Missing { .. }))
-        || matches!(error.downcast_ref::<GpuError>(), Some(GpuError::Request(_)));
+        || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
+            (Some(e), _) | (_, Some(GpuError::Request(e))) => {
+                !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. })
+            }
+            _ => false,
+        };
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
+}
+
+/// Whether a study asks for what its machine or the route cannot be.
+fn is_design_input(error: &SweepError) -> bool {
+    match error {
+        SweepError::Coupling(error) => !matches!(error, CouplingError::Basis(_)),
+        SweepError::NeedsModes | SweepError::Value { .. } => true,
+        _ => false,
+    }
 }
 
 /// An error with its causes, each said once.

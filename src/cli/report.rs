@@ -10,7 +10,7 @@ use stiffmap::export::vtu;
 use stiffmap::figures::HeightScale;
 use stiffmap::figures::report::{DATABASE_FILE, Database, DatabaseInput, PAGE_FILE, write_page};
 use stiffmap::frf::ModalSystem;
-use stiffmap::modal::Modes;
+use stiffmap::modal::{Modes, modes_at};
 use stiffmap::reduction::Superelement;
 
 /// What pictures and page need besides the outcome.
@@ -26,10 +26,7 @@ impl Look<'_> {
         Shown {
             machine: &outcome.machine.name,
             axis: &outcome.machine.axis.name,
-            positions: &outcome.map.positions,
-            frequencies: &outcome.map.frequencies,
-            outputs: &outcome.map.outputs,
-            inputs: &outcome.map.inputs,
+            axes: &outcome.axes,
             systems: self.systems,
             families: &outcome.solved.families,
             height: HeightScale::Linear,
@@ -44,6 +41,8 @@ impl Look<'_> {
             superelements: self.superelements,
             modes: &outcome.solved.modes,
             systems: self.systems,
+            frequencies: &outcome.axes.frequencies,
+            quantity: outcome.axes.quantity,
             families: &outcome.solved.families,
             table: &outcome.table,
             free_motions: &outcome.free_motions,
@@ -55,11 +54,19 @@ impl Look<'_> {
     /// Mode shapes at the first, the middle and the last position (`.vtu`); returns the files.
     pub fn write_shapes(&self, outcome: &Outcome) -> Result<Vec<PathBuf>> {
         let mut files = Vec::new();
+        let analysis = &outcome.machine.analysis;
         for modes in ends_and_middle(&outcome.solved.modes) {
+            let again;
+            let modes = if modes.shapes.is_empty() {
+                again = modes_at(self.model, &analysis.damping, modes.position, analysis.modes + 16)?;
+                &again
+            } else {
+                modes
+            };
             let place = format!("{:.3}", 1e3 * modes.position);
             let place = place.trim_end_matches('0').trim_end_matches('.');
             let path = outcome.out.join(format!("mode_shapes_{}_{place}_mm.vtu", outcome.machine.axis.name));
-            let listed = modes.free + outcome.machine.analysis.modes;
+            let listed = modes.free + analysis.modes;
             vtu::write_mode_shapes(&path, self.model, self.superelements, modes, listed)?;
             files.push(path);
         }

@@ -13,16 +13,18 @@
 //! neighbourhood, the inertia of the joints' static responses over the whole travel, and, in series
 //! with the joints, the static flexibility of all the rest, exact at every position.
 
+mod around;
 mod basis;
 mod joint;
 mod model;
 mod side_by_side;
 mod training;
 
+pub use around::{Around, AroundCoupled};
 pub use basis::{BasisOptions, ResidualEnergy};
 pub use joint::{CoupledJoint, CoupledSpring};
-pub(crate) use joint::{free_length, overhang};
-pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};
+pub(crate) use joint::{check_screw, free_length, overhang};
+pub use model::{AtPosition, Coupled, CoupledModel, PartShare, SpringValues, couple};
 pub use side_by_side::{PortRow, SideBySide};
 pub use training::reduction_requests;
 
@@ -61,6 +63,20 @@ pub enum CouplingError {
         position: f64,
         /// Length, m.
         length: f64,
+    },
+    /// A ball screw's nut is beyond its second support.
+    #[error(
+        "joint \"{joint}\": at position {position} m the free length of the screw is {length:.4} m, and its supports are {span:.4} m apart; make `span` longer than the free length within the travel"
+    )]
+    ScrewSpan {
+        /// Joint.
+        joint: String,
+        /// Position, m.
+        position: f64,
+        /// Length from mount to nut, m.
+        length: f64,
+        /// Distance between the supports, m.
+        span: f64,
     },
     /// A position outside the travel.
     #[error("position {position} m lies outside the travel of axis \"{axis}\", {from} to {to} m")]

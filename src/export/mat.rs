@@ -7,8 +7,8 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 
 use super::mat5::{self, Value};
-use super::{ExportError, finite, length, response};
-use crate::frf::ComplianceMap;
+use super::{ExportError, finite, length, npy, response};
+use crate::frf::{ComplianceMap, FrfRequest};
 use crate::state_space::StateSpace;
 
 /// Columns of the transposition that one task takes: a row of them fills whole cache lines.
@@ -35,7 +35,7 @@ pub fn write_compliance(path: &Path, map: &ComplianceMap) -> Result<(), ExportEr
     check_axis(path, "frequency", &map.frequencies)?;
     check_map(path, map)?;
     let (re, im) = column_major(&map.values, dims);
-    let name = response::quantity_name(map.quantity);
+    let name = map.quantity.name();
     mat5::write(
         path,
         &[
@@ -46,6 +46,38 @@ pub fn write_compliance(path: &Path, map: &ComplianceMap) -> Result<(), ExportEr
             ("quantity", Value::Text(Cow::Borrowed(name))),
             ("unit", Value::Text(Cow::Borrowed(response::unit(map.quantity)))),
             (name, Value::Complex { dims: dims.to_vec(), re: re.into(), im: im.into() }),
+        ],
+    )
+}
+
+/// Writes `compliance.mat` for a map that stands in a file of its own: the axes, and where the values are.
+///
+/// | variable | shape | |
+/// |---|---|---|
+/// | `position_m`, `frequency_hz`, `output`, `input`, `quantity`, `unit` | | as [`write_compliance`] |
+/// | `file` | text | name of the values' file, in the same folder |
+/// | `shape` | 1 x 4 | positions, frequencies, outputs, inputs; the last is fastest in the file |
+/// | `offset_bytes` | 1 x 1 | where in the file the values begin, complex f64 |
+///
+/// # Errors
+/// As [`write_compliance`].
+pub fn write_axes(path: &Path, request: &FrfRequest, file: &str) -> Result<(), ExportError> {
+    check_axis(path, "position", request.positions)?;
+    check_axis(path, "frequency", request.frequencies)?;
+    let extents = npy::extents(request);
+    let shape: Vec<f64> = extents.iter().map(|n| *n as f64).collect();
+    mat5::write(
+        path,
+        &[
+            ("position_m", Value::column(request.positions)),
+            ("frequency_hz", Value::column(request.frequencies)),
+            ("output", Value::names(request.outputs)),
+            ("input", Value::names(request.inputs)),
+            ("quantity", Value::Text(Cow::Borrowed(request.quantity.name()))),
+            ("unit", Value::Text(Cow::Borrowed(response::unit(request.quantity)))),
+            ("file", Value::Text(Cow::Borrowed(file))),
+            ("shape", Value::Real { dims: vec![1, 4], data: Cow::Owned(shape) }),
+            ("offset_bytes", Value::scalar(npy::header(&extents).len() as f64)),
         ],
     )
 }
@@ -74,39 +106,43 @@ pub fn write_state_space(
     outputs: &[String],
     inputs: &[String],
 ) -> Result<(), ExportError> {
-    for state in states {
-        check_state(path, state, outputs.len(), inputs.len())?;
-    }
+    write_state_spaces(path, states.len(), &|i| Cow::Borrowed(&states[i]), outputs, inputs)
+}
+
+/// As [`write_state_space`], with `states` making each of `count` systems when it is written, in the memory of one.
+///
+/// # Errors
+/// As [`write_state_space`].
+pub fn write_state_spaces<'s>(
+    path: &Path,
+    count: usize,
+    states: &dyn Fn(usize) -> Cow<'s, StateSpace>,
+    outputs: &[String],
+    inputs: &[String],
+) -> Result<(), ExportError> {
+    let visit = |i: usize, visitor: &mut mat5::Visitor<'_>| {
+        let s = states(i);
+        check_state(path, &s, outputs.len(), inputs.len())?;
+        visitor(&[
+            Value::scalar(s.position),
+            Value::matrix(&s.a),
+            Value::matrix(&s.b),
+            Value::matrix(&s.c),
+            Value::matrix(&s.d),
+            Value::column(&s.eigenvalues),
+            Value::matrix(&s.eigenvectors),
+            Value::column(&s.damping),
+        ])
+    };
     let fields = vec!["position", "A", "B", "C", "D", "eigenvalues", "eigenvectors", "damping"];
-    let values = states
-        .iter()
-        .map(|s| {
-            vec![
-                Value::scalar(s.position),
-                Value::matrix(&s.a),
-                Value::matrix(&s.b),
-                Value::matrix(&s.c),
-                Value::matrix(&s.d),
-                Value::column(&s.eigenvalues),
-                Value::matrix(&s.eigenvectors),
-                Value::column(&s.damping),
-            ]
-        })
-        .collect();
+    let structs = mat5::Structs { name: "states", fields, count, visit: &visit };
     let text = |t| Value::Text(Cow::Borrowed(t));
     let units = Value::Structs {
         fields: vec!["position", "input", "displacement", "velocity", "acceleration", "eigenvalues"],
         values: vec![vec![text("m"), text("N"), text("m"), text("m/s"), text("m/s^2"), text("(rad/s)^2")]],
     };
-    mat5::write(
-        path,
-        &[
-            ("states", Value::Structs { fields, values }),
-            ("inputs", Value::names(inputs)),
-            ("outputs", Value::names(outputs)),
-            ("units", units),
-        ],
-    )
+    let variables = [("inputs", Value::names(inputs)), ("outputs", Value::names(outputs)), ("units", units)];
+    mat5::write_structs(path, &structs, &variables)
 }
 
 /// Real and imaginary parts of a row-major array of four indices in column-major order.
@@ -162,7 +198,7 @@ fn check_map(path: &Path, map: &ComplianceMap) -> Result<(), ExportError> {
         path: path.into(),
         what: format!(
             "the {} from {} to {} at {} m and {} Hz",
-            response::quantity_name(map.quantity),
+            map.quantity.name(),
             map.inputs[pair % n_in],
             map.outputs[pair / n_in],
             map.positions[p],

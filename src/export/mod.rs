@@ -10,8 +10,9 @@
 //! | `eigenfrequencies.csv` | [`ModeFamilies`](crate::modal::ModeFamilies) | [`eigenfrequencies::write_families`] |
 //! | `mode_table.csv` | [`ModeTableRow`](crate::modal::ModeTableRow) | [`eigenfrequencies::write_mode_table`] |
 //! | `compliance.mat` | [`ComplianceMap`](crate::frf::ComplianceMap) | [`mat::write_compliance`] |
+//! | `compliance.npy` | the tiles of a map | [`stream::MapStream`] |
 //! | `state_space.mat` | [`StateSpace`](crate::state_space::StateSpace) | [`mat::write_state_space`] |
-//! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`] |
+//! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`], [`stream::MapStream`] |
 //! | `surface_<out><in>.vts` | one response of a map | [`vts::write_surface`] |
 //! | `mode_shapes_<axis>_<mm>_mm.vtu` | shapes at a position | [`vtu::write_mode_shapes`] |
 //! | `manifest.json` | [`manifest::Manifest`] | [`manifest::Manifest::write`] |
@@ -23,7 +24,9 @@ pub mod eigenfrequencies;
 pub mod manifest;
 pub mod mat;
 pub mod mat5;
+pub mod npy;
 pub mod response;
+pub mod stream;
 pub mod surface;
 pub mod vts;
 pub mod vtu;

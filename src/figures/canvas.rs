@@ -12,6 +12,8 @@ pub(super) type Colour = [u8; 3];
 pub(super) type Point = (f64, f64);
 
 pub(super) const INK: Colour = [30, 30, 30];
+/// What a picture is drawn on.
+pub(super) const PAPER: Colour = [255, 255, 255];
 pub(super) const GRID: Colour = [222, 222, 222];
 
 /// Pixels a metre in print: 1600 px stand for 16 cm.

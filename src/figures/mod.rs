@@ -28,6 +28,7 @@ mod frequency_view;
 mod impulse;
 pub mod report;
 mod scale;
+pub mod sweep;
 mod text;
 mod vector;
 

@@ -38,6 +38,41 @@ pub struct Part {
     pub loss_factor: Option<f64>,
     /// Length, mass and time unit of the mesh file, as factors to m, kg, s.
     pub mesh_units: MeshUnits,
+    /// Node sets of which single displacements are fixed to ground.
+    pub supported: Vec<Support>,
+    /// Whether C3D8 elements stay plain; otherwise they get incompatible modes (C3D8I).
+    pub plain_bricks: bool,
+    /// Where the mesh stands in the machine.
+    pub placement: Placement,
+}
+
+/// A node set some of whose displacements are fixed to ground.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Support {
+    /// Node set of the mesh.
+    pub nodes: String,
+    /// Which of x, y, z (of the machine) are fixed.
+    pub directions: [bool; 3],
+}
+
+/// How the mesh file's coordinates lie in the machine: x = origin + R x_mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// R, by rows; its columns are the mesh's axes in the machine.
+    pub rotation: [[f64; 3]; 3],
+    /// The mesh's origin in the machine, m.
+    pub origin: [f64; 3],
+}
+
+impl Placement {
+    /// The mesh stands as it is drawn.
+    pub const IDENTITY: Self = Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
+
+    /// A point of the mesh (m) in the machine.
+    pub fn apply(&self, x: [f64; 3]) -> [f64; 3] {
+        let r = &self.rotation;
+        std::array::from_fn(|i| self.origin[i] + r[i][0] * x[0] + r[i][1] * x[1] + r[i][2] * x[2])
+    }
 }
 
 /// Factors from a mesh file's units to m, kg and s.
@@ -128,7 +163,7 @@ pub enum JointKind {
     LinearGuide,
     /// Radial and axial stiffness at a point of an axis.
     Bearing,
-    /// Axial stiffness E pi D^2 / (4 L), L following the position; side 1 is the nut.
+    /// Axial stiffness of a screw whose free length follows the position; side 1 is the nut.
     BallScrew,
     /// Three translational and three rotational stiffnesses.
     Bolted,
@@ -193,13 +228,45 @@ pub enum Motion {
 pub enum SpringStiffness {
     /// N/m or N m/rad.
     Constant(f64),
-    /// E pi D^2 / (4 L), with L the distance between the two sides' centroids along the joint's axis.
+    /// A ball screw of free length L, which follows the position; see [`ScrewSupport::stiffness`].
     BallScrew {
         /// Young's modulus, Pa.
         young: f64,
         /// Diameter, m.
         diameter: f64,
+        /// Free length at position 0, m; `None` takes the distance between the two sides' centroids along the axis.
+        free_length: Option<f64>,
+        /// Which ends are held axially.
+        support: ScrewSupport,
     },
+}
+
+/// Which ends of a ball screw are held axially.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ScrewSupport {
+    /// The end at the mount; the other floats.
+    OneEnd,
+    /// Both ends.
+    BothEnds {
+        /// Distance between the two supports, m.
+        span: f64,
+    },
+}
+
+impl ScrewSupport {
+    /// Axial stiffness at the nut of a screw with free length `length` (m) from mount to nut, N/m.
+    ///
+    /// ```text
+    /// one end:    k = E A / L                          A = pi D^2 / 4
+    /// both ends:  k = E A (1 / L + 1 / (span - L))
+    /// ```
+    pub fn stiffness(self, young: f64, diameter: f64, length: f64) -> f64 {
+        let area = std::f64::consts::PI * diameter * diameter / 4.0;
+        match self {
+            Self::OneEnd => young * area / length,
+            Self::BothEnds { span } => young * area * (1.0 / length + 1.0 / (span - length)),
+        }
+    }
 }
 
 /// The axis of travel.
@@ -255,10 +322,83 @@ pub struct Analysis {
     pub component: ComponentAnalysis,
     /// Modes in the state space of each position (free modes at 0 Hz included).
     pub modes: usize,
-    /// Frequency grid of the map, Hz, ascending.
+    /// Frequencies of the map, Hz, ascending; of a clustered grid its background alone, until the modes are known.
     pub frequencies: Vec<f64>,
+    /// How the frequencies are laid.
+    pub grid: Grid,
+    /// What the map holds.
+    pub quantity: Quantity,
     /// Damping of the coupled modes.
     pub damping: Damping,
+}
+
+/// How the frequencies of a map are laid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Grid {
+    /// Equal steps.
+    #[default]
+    Uniform,
+    /// Equal ratios.
+    Logarithmic,
+    /// A uniform background, and frequencies around every mode at every position.
+    Clustered {
+        /// Frequencies a mode.
+        points: usize,
+    },
+    /// One by one.
+    Listed,
+}
+
+impl Grid {
+    /// Name, as in the machine file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Grid::Uniform => "uniform",
+            Grid::Logarithmic => "logarithmic",
+            Grid::Clustered { .. } => "clustered",
+            Grid::Listed => "listed",
+        }
+    }
+}
+
+/// What a map holds: displacement, velocity or acceleration over force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Quantity {
+    /// Displacement over force, m/N.
+    #[default]
+    Receptance,
+    /// Velocity over force, m/(s N).
+    Mobility,
+    /// Acceleration over force, m/(s^2 N).
+    Accelerance,
+}
+
+impl Quantity {
+    /// Every quantity.
+    pub const ALL: [Quantity; 3] = [Quantity::Receptance, Quantity::Mobility, Quantity::Accelerance];
+
+    /// The power of j omega that the receptance is multiplied by.
+    pub fn power(self) -> u32 {
+        match self {
+            Quantity::Receptance => 0,
+            Quantity::Mobility => 1,
+            Quantity::Accelerance => 2,
+        }
+    }
+
+    /// Name, as in the machine file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Quantity::Receptance => "receptance",
+            Quantity::Mobility => "mobility",
+            Quantity::Accelerance => "accelerance",
+        }
+    }
+
+    /// The quantity of a name.
+    pub fn named(name: &str) -> Option<Quantity> {
+        Quantity::ALL.into_iter().find(|q| q.name() == name)
+    }
 }
 
 /// Reduction of the parts.

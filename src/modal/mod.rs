@@ -4,8 +4,8 @@ mod free_motion;
 mod solve;
 mod tracking;
 
-pub use solve::{FreeMotion, ModeCount, Modes, check_count, modes_at, modes_of};
-pub use tracking::{mode_table, track};
+pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at, modes_of};
+pub use tracking::{Tracker, mode_table, track};
 
 use crate::coupling::CouplingError;
 use crate::linalg::LinalgError;

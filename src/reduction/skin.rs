@@ -6,7 +6,7 @@
 //! Nodes are never moved, so the reduced basis at them is exact. Source: Rossignac, Borrel,
 //! Multi-resolution 3D approximations, 1993.
 
-use crate::element::tet10;
+use crate::element::{face, faces};
 use crate::mesh::Mesh;
 use crate::solid::SecondOrder;
 use nalgebra::{DMatrix, Vector3};
@@ -76,18 +76,25 @@ pub(super) fn reduced_skin(system: &SecondOrder, mesh: &Mesh, vectors: &DMatrix<
     }
 }
 
-/// Corners of the faces that belong to one element only, outward.
+/// Corners of the faces that belong to one element only, outward; quadrilaterals in two halves.
 fn outer_faces(mesh: &Mesh) -> Vec<[usize; 3]> {
-    let mut seen: HashMap<[usize; 3], usize> = HashMap::new();
-    let faces = || {
-        mesh.cells.iter().flat_map(|cell| tet10::FACES.map(|f| [cell.nodes[f[0]], cell.nodes[f[1]], cell.nodes[f[2]]]))
+    let corners = || {
+        mesh.cells.iter().flat_map(|cell| {
+            let of_face = |local: &&[usize]| -> Vec<usize> {
+                local[..face::corner_count(local.len())].iter().map(|&i| cell.nodes[i]).collect()
+            };
+            faces(cell.kind).iter().map(of_face)
+        })
     };
-    let key = |mut face: [usize; 3]| {
-        face.sort_unstable();
-        face
+    let key = |face: &[usize]| {
+        let mut key = face.to_vec();
+        key.sort_unstable();
+        key
     };
-    faces().for_each(|face| *seen.entry(key(face)).or_default() += 1);
-    faces().filter(|face| seen[&key(*face)] == 1).collect()
+    let mut seen: HashMap<Vec<usize>, usize> = HashMap::new();
+    corners().for_each(|face| *seen.entry(key(&face)).or_default() += 1);
+    let outer = corners().filter(|face| seen[&key(face)] == 1);
+    outer.flat_map(|f| (1..f.len() - 1).map(|i| [f[0], f[i], f[i + 1]]).collect::<Vec<_>>()).collect()
 }
 
 /// The ways that the faces round each node look, a bit for each side of each axis.

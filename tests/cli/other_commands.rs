@@ -41,7 +41,16 @@ fn init_writes_the_mill_once() {
     let mill = folder.path().join("a/mill");
     let init = || stiffmap(cache.path()).arg("init").arg(&mill).output().unwrap();
     assert_eq!(init().status.code(), Some(0));
-    let expected = ["column.inp", "drive.inp", "headstock.inp", "machine.toml", "magazine.inp", "spindle.inp"];
+    let expected = [
+        "column.inp",
+        "drive.inp",
+        "headstock.inp",
+        "machine.toml",
+        "magazine.inp",
+        "screw.toml",
+        "spindle.inp",
+        "study.toml",
+    ];
     let found = files_below(&mill);
     assert!(expected.iter().all(|name| found.contains(&PathBuf::from(name))), "{found:?}");
 

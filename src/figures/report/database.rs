@@ -13,10 +13,12 @@ use crate::coupling::CoupledModel;
 use crate::export::atomic;
 use crate::frf::ModalSystem;
 use crate::frf::metrics::PairMetrics;
-use crate::machine::Machine;
-use crate::modal::{ModeFamilies, ModeTableRow, Modes, TrackedMode, Veering};
+use crate::machine::{Machine, Quantity};
+use crate::modal::{ModeFamilies, ModeTableRow, Modes, TrackedMode, Veering, modes_at};
 use crate::reduction::Superelement;
 use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
+use std::borrow::Cow;
 use std::path::Path;
 
 const MAGIC: &[u8; 16] = b"stiffmap-modal-1";
@@ -30,17 +32,21 @@ pub struct DatabaseInput<'a> {
     pub model: &'a CoupledModel,
     /// Its reduced parts, with their skins.
     pub superelements: &'a [Superelement],
-    /// Modes, one a position.
+    /// Modes, one a position; those without shapes are solved again where they are needed.
     pub modes: &'a [Modes],
     /// What the map is summed from, one a position.
     pub systems: &'a [ModalSystem],
+    /// Frequencies of the map, Hz.
+    pub frequencies: &'a [f64],
+    /// What the map holds.
+    pub quantity: Quantity,
     /// Families over the positions.
     pub families: &'a ModeFamilies,
     /// Range of each family.
     pub table: &'a [ModeTableRow],
     /// Free motions in words.
     pub free_motions: &'a [String],
-    /// Refined metrics of the direct responses, `[position][direction]`; may be empty.
+    /// Refined metrics of the direct responses in the map's quantity, `[position][direction]`; may be empty.
     pub metrics: &'a [Vec<PairMetrics>],
 }
 
@@ -52,33 +58,72 @@ pub struct Database {
     arrays: Arrays,
 }
 
+/// Bytes that the modal data of a page take, about.
+const BUDGET: usize = 5_000_000;
+/// Positions of a page at most, and at least.
+const POSITIONS: [usize; 2] = [11, 241];
+
+/// The positions that a page has room for, from what one takes.
+fn most_positions(systems: &[ModalSystem], springs: usize, ports: usize) -> usize {
+    let modes = systems.iter().map(|s| s.frequencies.len()).max().unwrap_or(0);
+    let (rows, coordinates) = (springs + ports, modes + 2 * (springs + ports));
+    let bytes = 8 * modes * (3 + ports) + 4 * rows * (coordinates + rows);
+    (BUDGET / bytes.max(1)).clamp(POSITIONS[0], POSITIONS[1])
+}
+
+/// At most `most` of `n` indices, evenly spread, both ends among them.
+fn spread(n: usize, most: usize) -> Vec<usize> {
+    if n <= most { (0..n).collect() } else { (0..most).map(|i| i * (n - 1) / (most - 1)).collect() }
+}
+
+/// The modes of a position with their shapes.
+fn whole_modes<'a>(input: &DatabaseInput<'a>, p: usize) -> Result<Cow<'a, Modes>, ReportError> {
+    let modes = &input.modes[p];
+    if modes.shapes.ncols() == modes.eigenvalues.len() {
+        return Ok(Cow::Borrowed(modes));
+    }
+    let analysis = &input.machine.analysis;
+    Ok(Cow::Owned(modes_at(input.model, &analysis.damping, modes.position, analysis.modes + 16)?))
+}
+
 impl Database {
-    /// Collects a run's results.
+    /// Collects a run's results, at so many of its positions that a page stays small.
     ///
     /// # Errors
     /// [`ReportError`] if the local coordinates of a position or the space of the shapes cannot be formed.
     pub fn new(input: &DatabaseInput<'_>) -> Result<Self, ReportError> {
-        let DatabaseInput { machine, model, modes, systems, families, .. } = *input;
-        let mut arrays = Arrays::default();
+        let DatabaseInput { machine, model, systems, families, .. } = *input;
         let (outputs, inputs) = (model.output_names(), model.input_names());
         let symmetric = outputs == inputs && systems.iter().all(|s| s.outputs == s.inputs);
-        let grid = &machine.analysis.frequencies;
-        let highest = grid.iter().copied().fold(1.0, f64::max);
+        let (springs, groups, selected) = springs(machine);
+        let ports = outputs.len() + inputs.len();
+        let chosen = spread(systems.len(), most_positions(systems, springs.len(), ports));
+        let whole = |p: &usize| whole_modes(input, *p);
+        let modes = chosen.par_iter().map(whole).collect::<Result<Vec<Cow<'_, Modes>>, _>>()?;
+        let systems: Vec<&ModalSystem> = chosen.iter().map(|&p| &systems[p]).collect();
+        let families = &ModeFamilies {
+            positions: chosen.iter().map(|&p| families.positions[p]).collect(),
+            modes: chosen.iter().map(|&p| families.modes[p].clone()).collect(),
+            veerings: families.veerings.clone(),
+        };
+
+        let mut arrays = Arrays::default();
+        let grid = input.frequencies;
+        let highest = machine.analysis.frequencies.iter().chain(grid).copied().fold(1.0, f64::max);
         arrays.push_f64("position", &[modes.len()], modes.iter().map(|m| m.position));
         arrays.push_f64("frequency", &[grid.len()], grid.iter().copied());
-        push_systems(&mut arrays, systems, symmetric);
-        let (springs, groups, selected) = springs(machine);
-        push_local(&mut arrays, input, &selected, highest, symmetric)?;
+        push_systems(&mut arrays, &systems, symmetric);
+        push_local(&mut arrays, model, &modes, &selected, highest, symmetric)?;
         let listed = push_families(&mut arrays, families);
         if let Some(first) = input.metrics.first() {
             let shape = [modes.len(), first.len()];
-            let all = || input.metrics.iter().flatten();
+            let all = || chosen.iter().flat_map(|&p| &input.metrics[p]);
             arrays.push_f64("peak", &shape, all().map(|m| m.peak.value));
             arrays.push_f64("peak_frequency", &shape, all().map(|m| m.peak.frequency));
         }
         let moves = &machine.axis.moves;
         let parts =
-            push_shapes(&mut arrays, model, input.superelements, moves, modes, listed).map_err(ReportError::Shapes)?;
+            push_shapes(&mut arrays, model, input.superelements, moves, &modes, listed).map_err(ReportError::Shapes)?;
         let damping = &machine.analysis.damping;
         let header = Header {
             machine: machine.name.clone(),
@@ -87,6 +132,8 @@ impl Database {
             outputs,
             inputs,
             symmetric,
+            quantity: input.quantity.name().into(),
+            positions_of_run: input.systems.len(),
             highest_hz: highest,
             damping_ratios: damping.ratios.clone(),
             rayleigh: damping.rayleigh,
@@ -141,6 +188,13 @@ impl Database {
 
     fn floats(&self, name: &str) -> Option<Vec<f64>> {
         self.arrays.f64(name).map(|(_, values)| values)
+    }
+
+    /// What the run's map holds; nothing if the header names no quantity.
+    pub fn quantity(&self) -> Option<Quantity> {
+        [Quantity::Receptance, Quantity::Mobility, Quantity::Accelerance]
+            .into_iter()
+            .find(|q| q.name() == self.header.quantity)
     }
 
     /// Positions (m) and the frequencies (Hz) of the run.

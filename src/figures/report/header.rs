@@ -21,6 +21,10 @@ pub struct Header {
     pub inputs: Vec<String>,
     /// Whether inputs are the outputs.
     pub symmetric: bool,
+    /// What the run's map holds: `receptance`, `mobility` or `accelerance`.
+    pub quantity: String,
+    /// Positions of the run, of which the database holds all or some.
+    pub positions_of_run: usize,
     /// Highest frequency, Hz.
     pub highest_hz: f64,
     /// Viscous ratios, the last for all further modes.

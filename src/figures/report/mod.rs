@@ -22,11 +22,15 @@ pub use shapes::PartSkin;
 use crate::coupling::CouplingError;
 use crate::export::ExportError;
 use crate::linalg::LinalgError;
+use crate::modal::ModalError;
 use std::path::PathBuf;
 
 /// Why a report was not made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
+    /// The modes of a position could not be had again.
+    #[error(transparent)]
+    Modal(#[from] ModalError),
     /// A position could not be coupled.
     #[error(transparent)]
     Coupling(#[from] CouplingError),

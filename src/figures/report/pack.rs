@@ -2,16 +2,17 @@
 
 use super::ReportError;
 use super::arrays::Arrays;
-use super::database::DatabaseInput;
 use super::local::{LocalBasis, local_basis};
+use crate::coupling::CoupledModel;
 use crate::frf::ModalSystem;
 use crate::modal::{ModeFamilies, Modes, TrackedMode};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// The systems that the map is summed from, to the last bit.
-pub(super) fn push_systems(arrays: &mut Arrays, systems: &[ModalSystem], symmetric: bool) {
+pub(super) fn push_systems(arrays: &mut Arrays, systems: &[&ModalSystem], symmetric: bool) {
     let p = systems.len();
     let m = systems.iter().map(|s| s.frequencies.len()).max().unwrap_or(0);
     let padded = |v: &[f64]| v.iter().copied().chain(std::iter::repeat_n(0.0, m - v.len())).collect::<Vec<_>>();
@@ -38,16 +39,17 @@ pub(super) fn push_systems(arrays: &mut Arrays, systems: &[ModalSystem], symmetr
 /// The local coordinates of every position: eigenvalues in Hz^2, rows, residual flexibility, stiffness.
 pub(super) fn push_local(
     arrays: &mut Arrays,
-    input: &DatabaseInput<'_>,
+    model: &CoupledModel,
+    modes: &[Cow<'_, Modes>],
     springs: &[usize],
     highest: f64,
     symmetric: bool,
 ) -> Result<(), ReportError> {
-    let one = |modes: &Modes| -> Result<(LocalBasis, Vec<f64>), ReportError> {
+    let one = |modes: &Cow<'_, Modes>| -> Result<(LocalBasis, Vec<f64>), ReportError> {
         let position = modes.position;
-        let at = input.model.at(position)?;
-        let stiffness = input.model.stiffness(position)?;
-        let mut basis = local_basis(input.model, &at, &stiffness, modes, springs, highest)
+        let at = model.at(position)?;
+        let stiffness = model.stiffness(position)?;
+        let mut basis = local_basis(model, &at, &stiffness, modes, springs, highest)
             .map_err(|source| ReportError::Local { position, source })?;
         if symmetric {
             let kept = springs.len() + modes.outputs.nrows();
@@ -56,7 +58,7 @@ pub(super) fn push_local(
         }
         Ok((basis, springs.iter().map(|&s| stiffness[s]).collect()))
     };
-    let all = input.modes.par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    let all = modes.par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
     let p = all.len();
     let n = all.iter().map(|(b, _)| b.eigenvalues.len()).max().unwrap_or(0);
     let rows = all.first().map_or(0, |(b, _)| b.rows.nrows());

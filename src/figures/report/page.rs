@@ -35,15 +35,14 @@ const IN_WORKERS: usize = 5;
 ///
 /// `manifest` is the run's manifest as JSON.
 pub fn page(database: &Database, manifest: &str) -> String {
-    let shader = |kernel| Variant { kernel, precision: Precision::F32, duos: 1, split: true }.source();
     let pieces = [
         ("{{title}}", escape(&database.header.machine)),
         ("{{style}}", include_str!("page/style.css").to_owned()),
         ("{{uplot.css}}", include_str!("../../../assets/web/uPlot.min.css").to_owned()),
         ("{{three.js}}", include_str!("../../../assets/web/three.bundle.min.js").to_owned()),
         ("{{uplot.js}}", include_str!("../../../assets/web/uPlot.iife.min.js").to_owned()),
-        ("{{modal_sum.wgsl}}", shader(Kernel::ModalSum)),
-        ("{{metrics.wgsl}}", shader(Kernel::Metrics)),
+        // The page asks for one pair at a time.
+        ("{{modal_sum.wgsl}}", Variant::new(Kernel::ModalSum, Precision::F32, 1).source()),
         ("{{manifest}}", manifest.replace("</", "<\\/")),
         ("{{database}}", base64::encode(&database.bytes())),
         ("{{worker.js}}", SCRIPTS[..IN_WORKERS].join("\n")),

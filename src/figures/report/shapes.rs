@@ -12,6 +12,7 @@ use crate::modal::Modes;
 use crate::reduction::Superelement;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Largest share of a shape's norm that may be left out.
 const TOLERANCE: f64 = 0.01;
@@ -38,7 +39,7 @@ pub(super) fn push_shapes(
     model: &CoupledModel,
     superelements: &[Superelement],
     moves: &[bool],
-    modes: &[Modes],
+    modes: &[Cow<'_, Modes>],
     listed: usize,
 ) -> Result<Vec<PartSkin>, LinalgError> {
     let all: Vec<DMatrix<f64>> =

@@ -143,6 +143,12 @@ function changedSystem(db, p, factors, damping) {
     }
     eigenRows(n, matrix, space.rows, wanted.length, d, space.vectors);
   }
+  // The machine's own loss factor makes every stiffness complex, that of the rest too.
+  const eta = damping === null ? db.header.loss_factor : 0;
+  for (let at = 0; at < direct.length; at += 2) {
+    const value = direct[at] / (1 + eta * eta);
+    [direct[at], direct[at + 1]] = [value, -eta * value];
+  }
   const shapes = { ports: width - s, lossy, factors, stiffness, rows: space.rows, n };
   return modalSystem(db, d, shapes, direct, damping);
 }

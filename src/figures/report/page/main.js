@@ -43,7 +43,7 @@ class Page {
     this.state = {
       output: 0,
       input: 0,
-      quantity: "0",
+      quantity: String(["receptance", "mobility", "accelerance"].indexOf(header.quantity)),
       part: "log",
       colours: "viridis",
       position: 0,
@@ -80,7 +80,7 @@ class Page {
     this.startShapes();
     $("facts").append(...runFacts(this.manifest));
     $("family-table").append(familyTable(this.db.header));
-    $("remarks").append(...remarks(this.db.header));
+    $("remarks").append(...remarks(this.db));
     setTimeout(() => this.engine.startWorkers(), 100);
   }
 
@@ -302,8 +302,13 @@ function heightScale(part, low, high) {
   return { ticks: ticks.map((v) => ({ at: (v - low) / range, text: digits(v, 3) })), at: (v) => (v - low) / range };
 }
 
-function remarks(header) {
-  const lines = [...header.free_motions.map((text) => `Free motion at 0 Hz: ${text}.`)];
+function remarks(db) {
+  const { header } = db;
+  const lines = [];
+  if (db.positions.length < header.positions_of_run) {
+    lines.push(`This page holds ${db.positions.length} of the run's ${header.positions_of_run} positions.`);
+  }
+  lines.push(...header.free_motions.map((text) => `Free motion at 0 Hz: ${text}.`));
   for (const v of header.veerings) {
     const place = `${mm(v.from_m)} and ${mm(v.to_m)} mm`;
     lines.push(`Families ${v.families.join(" and ")} veer between ${place} (MAC ${v.mac.toFixed(2)}): both labellings are conventions there.`);
