@@ -221,7 +221,8 @@ function showFamilies(page, axis, changed) {
     const now = order.map(elastic);
     for (let r = 0; r < families.size; r++) {
       const values = now.map((list) => list[r] ?? null);
-      series.push({ label: `rank ${r + 1} with the settings`, values, colour: css("--ink"), points: true });
+      const style = { colour: css("--ink"), dash: [2, 3], width: 1, points: order.length < 2 };
+      series.push({ label: `rank ${r + 1} with the settings`, values, ...style });
     }
   }
   curves.families.show(along, series, { x: axis, y: "Frequency [Hz]" }, false);

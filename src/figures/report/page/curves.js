@@ -57,6 +57,7 @@ class Curve {
       width: Math.max(200, this.host.clientWidth),
       height: Math.max(140, this.host.clientHeight),
       legend: { show: false },
+      pxAlign: 0,
       cursor: { drag: { x: true, y: false }, points: { size: 5 } },
       scales: { x: { time: false }, y: log ? { distr: 3 } : {} },
       axes: [axis(axes.x, 40), { ...axis(axes.y, 72), values }],

@@ -43,7 +43,7 @@ class Page {
     this.state = {
       output: 0,
       input: 0,
-      quantity: String(["receptance", "mobility", "accelerance"].indexOf(header.quantity)),
+      quantity: String(Math.max(0, ["receptance", "mobility", "accelerance"].indexOf(header.quantity))),
       part: "log",
       colours: "viridis",
       position: 0,
@@ -175,7 +175,7 @@ class Page {
     const { name, unit } = QUANTITIES[quantity];
     const { outputs, inputs } = this.db.header;
     const pair = `${outputs[output]}/${inputs[input]}`;
-    if (part === "phase") return `Phase of ${name.toLowerCase()} ${pair} [°]`;
+    if (part === "phase") return `Phase of ${name} ${pair} [°]`;
     const what = { log: `|${name}|`, linear: `|${name}|`, real: `Re ${name}`, imaginary: `Im ${name}` }[part];
     return `${what} ${pair} [${unit}]`;
   }
@@ -204,7 +204,7 @@ class Page {
       Array.from(grid, (f) => (f - x0) / (x1 - x0)),
       this.along.map((z) => (z - z0) / (z1 - z0)),
     );
-    this.surface.setAxes({
+    const axes = {
       x: {
         ticks: roundTicks(x0, x1, 6).map((f) => ({ at: (f - x0) / (x1 - x0), text: digits(f, 5) })),
         label: "Frequency [Hz]",
@@ -214,7 +214,11 @@ class Page {
         label: `Position ${this.db.header.axis} [mm]`,
       },
       y: { ticks: scale.ticks, label: this.label() },
-    });
+    };
+    // While a slider moves, the axes seldom change.
+    const key = JSON.stringify([axes, isDark()]);
+    if (key !== this.axesKey) this.surface.setAxes(axes);
+    this.axesKey = key;
     this.surface.setHeights(numbers);
     this.placeCursor();
   }

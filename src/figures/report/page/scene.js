@@ -6,7 +6,8 @@ class Scene3d {
   constructor(host, name) {
     this.host = host;
     // Smooth edges cost a software renderer more than the picture itself.
-    const antialias = !softwareRenderer();
+    this.software = softwareRenderer();
+    const antialias = !this.software;
     this.renderer = new THREE.WebGLRenderer({ antialias, alpha: true, preserveDrawingBuffer: true });
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
@@ -98,7 +99,7 @@ class Scene3d {
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
 
-  // Texts at points in space: [{ text, at: [x, y, z], shift: [px, px], kind }].
+  // Texts at points in space: [{ text, at: [x, y, z], kind }].
   setLabels(labels) {
     this.overlay.replaceChildren();
     this.labels = labels.map((label) => {
@@ -106,7 +107,7 @@ class Scene3d {
       element.textContent = label.text;
       element.className = label.kind || "tick";
       this.overlay.append(element);
-      return { ...label, element, point: new THREE.Vector3() };
+      return { ...label, element, half: element.offsetWidth / 2, point: new THREE.Vector3() };
     });
   }
 
@@ -114,8 +115,10 @@ class Scene3d {
     const { clientWidth: width, clientHeight: height } = this.host;
     for (const label of this.labels) {
       const at = label.point.set(...label.at).project(this.camera);
-      const x = (at.x * 0.5 + 0.5) * width + (label.shift ? label.shift[0] : 0);
-      const y = (0.5 - at.y * 0.5) * height + (label.shift ? label.shift[1] : 0);
+      // What an axis is called stays in the picture.
+      const inside = (x) => Math.min(Math.max(x, label.half), Math.max(label.half, width - label.half));
+      const x = label.kind === "axis" ? inside((at.x * 0.5 + 0.5) * width) : (at.x * 0.5 + 0.5) * width;
+      const y = (0.5 - at.y * 0.5) * height;
       label.element.style.transform = `translate(-50%, -50%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
     }
   }

@@ -66,15 +66,7 @@ class Surface {
         places[at + 2] = -z[r] * BOX.depth;
       }
     }
-    const indices = new Uint32Array(6 * (columns - 1) * (rows - 1));
-    for (let r = 0, at = 0; r + 1 < rows; r++) {
-      for (let c = 0; c + 1 < columns; c++) {
-        const a = r * columns + c;
-        const b = a + columns;
-        indices.set([a, a + 1, b, a + 1, b + 1, b], at);
-        at += 6;
-      }
-    }
+    const indices = cellIndices(columns, this.drawnRows(rows));
     if (this.mesh) {
       this.view.scene.remove(this.mesh, this.wires);
       this.mesh.geometry.dispose();
@@ -94,6 +86,14 @@ class Surface {
     this.wires = new THREE.LineSegments(wires, this.lineMaterial);
     this.wires.frustumCulled = false;
     this.view.scene.add(this.mesh, this.wires);
+  }
+
+  // Rows that cells are drawn between: every one, or every second of many where the processor draws.
+  drawnRows(rows) {
+    const step = this.view.software && rows > 60 ? 2 : 1;
+    const drawn = Array.from({ length: Math.ceil(rows / step) }, (_, k) => k * step);
+    if (drawn[drawn.length - 1] !== rows - 1) drawn.push(rows - 1);
+    return drawn;
   }
 
   // Heights 0 to 1, [position, frequency].
@@ -200,7 +200,25 @@ class Surface {
   }
 }
 
-// Some lines of constant position and of constant frequency.
+// Two triangles a cell between neighbouring rows of a list.
+function cellIndices(columns, rows) {
+  const indices = new Uint32Array(6 * (columns - 1) * (rows.length - 1));
+  let at = 0;
+  for (let r = 0; r + 1 < rows.length; r++) {
+    for (let c = 0; c + 1 < columns; c++) {
+      const [a, b] = [rows[r] * columns + c, rows[r + 1] * columns + c];
+      indices[at++] = a;
+      indices[at++] = a + 1;
+      indices[at++] = b;
+      indices[at++] = a + 1;
+      indices[at++] = b + 1;
+      indices[at++] = b;
+    }
+  }
+  return indices;
+}
+
+// Some lines of constant position.
 function wireIndices(columns, rows) {
   const indices = [];
   const marked = (count, lines) => {
