@@ -3,6 +3,8 @@
 //! Without an adapter a test prints `skipped: no adapter`; with STIFFMAP_GPU=require that is a failure.
 
 mod modal_fixture;
+mod springs_on_device;
+mod support;
 
 use modal_fixture::device::device;
 use modal_fixture::{Case, Numbers, differences, rich, symmetric_system};

@@ -1,15 +1,18 @@
 //! What answers the designs of a study: its machine reduced and coupled, and the route.
 
-use super::cache_folder;
 use super::progress::Progress;
 use super::run::mesh_warnings;
+use super::{UsageError, cache_folder};
 use anyhow::Result;
 use clap::ValueEnum;
+use stiffmap::gpu::{Backend, Precision};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::Machine;
 use stiffmap::pipeline;
 use stiffmap::reduction::{Cache, Superelement};
-use stiffmap::sweep::{CouplingRoute, Design, Evaluator, ModesRoute, PartScale, Request, Study, varied_springs};
+use stiffmap::sweep::{
+    CouplingRoute, Design, Evaluator, ModesRoute, PartScale, Request, SpringBackend, Study, varied_springs,
+};
 
 /// The route asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -44,11 +47,31 @@ pub fn reduce(study: &Study, no_cache: bool, progress: &mut Progress, interrupt:
     Ok(Reduced { superelements, warnings, parts_from_cache })
 }
 
+/// Opens the back end that is asked for; a device has nothing to do on the modes route.
+///
+/// With `auto` it is looked for only where the coupling route may be taken.
+pub fn open_backend(study: &Study, route: Route, backend: Backend) -> Result<SpringBackend> {
+    let obstacle = match route {
+        Route::Modes => Some("the modes route solves eigenproblems on the processor".to_owned()),
+        Route::Coupling => None,
+        Route::Auto => only_by_modes(&study.machine, &study.probes(), &study.families),
+    };
+    match (backend, obstacle) {
+        (Backend::Gpu, Some(obstacle)) => {
+            let said = format!("--backend gpu: {obstacle}; use --backend auto or cpu, or --route coupling");
+            Err(UsageError(said).into())
+        }
+        (Backend::Auto, Some(obstacle)) => Ok(SpringBackend::cpu(obstacle)),
+        _ => Ok(SpringBackend::open(backend, Precision::F32)?),
+    }
+}
+
 /// The evaluator of a route, and why it was chosen.
 pub fn choose<'a>(
     study: &'a Study,
     superelements: &'a [Superelement],
     route: Route,
+    backend: SpringBackend,
     interrupt: &'a Interrupt,
 ) -> Result<(Box<dyn Evaluator + 'a>, String)> {
     let machine = &study.machine;
@@ -57,10 +80,12 @@ pub fn choose<'a>(
     let (coupling, why) = match route {
         Route::Modes => (false, "asked for".to_owned()),
         Route::Coupling => (true, format!("asked for; {}", meaning_of_damping(&probes))),
+        Route::Auto if backend.is_asked_for() => (true, "a device is asked for; damping is exact".to_owned()),
         Route::Auto => by_cost(machine, &probes, &request),
     };
     Ok(if coupling {
-        (Box::new(CouplingRoute::new(machine, superelements, request, &probes, interrupt)?), why)
+        let on_cpu = CouplingRoute::new(machine, superelements, request, &probes, interrupt)?;
+        (Box::new(on_cpu.on(backend)?), why)
     } else {
         (Box::new(ModesRoute::new(machine, superelements, request, &probes, interrupt)?), why)
     })
@@ -85,19 +110,24 @@ pub fn request(study: &Study) -> Request {
 const FEW_SPRINGS: usize = 12;
 
 fn by_cost(machine: &Machine, probes: &[Design], request: &Request) -> (bool, String) {
-    if !request.families.is_empty() {
-        return (false, "eigenfrequencies are asked for".into());
-    }
-    if let Some(reason) = not_exact_by_coupling(probes) {
-        return (false, format!("{reason}, which only the modes route follows"));
-    }
-    if let Some(what) = changes_the_base(machine, probes) {
-        return (false, format!("{what}, so each design needs receptances of its own base"));
+    if let Some(reason) = only_by_modes(machine, probes, &request.families) {
+        return (false, reason);
     }
     let springs = varied_springs(machine, probes).len();
     let few = springs <= FEW_SPRINGS;
     let cost = if few { "less" } else { "more" };
     (few, format!("{springs} springs vary, which cost {cost} than an eigenproblem"))
+}
+
+/// Why designs are answered by their modes, whatever that costs.
+fn only_by_modes(machine: &Machine, probes: &[Design], families: &[usize]) -> Option<String> {
+    if !families.is_empty() {
+        return Some("eigenfrequencies are asked for".into());
+    }
+    if let Some(reason) = not_exact_by_coupling(probes) {
+        return Some(format!("{reason}, which only the modes route follows"));
+    }
+    changes_the_base(machine, probes).map(|what| format!("{what}, so each design needs receptances of its own base"))
 }
 
 /// Damping that belongs to the modes of each design.

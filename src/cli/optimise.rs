@@ -19,7 +19,7 @@ use stiffmap::sweep::optimise::{Found, optimise as search};
 use stiffmap::sweep::runner::RunError;
 use stiffmap::sweep::shards::{RECORD, Record, Shard};
 use stiffmap::sweep::table::{Row, Store};
-use stiffmap::sweep::{Study, TableError, read_study};
+use stiffmap::sweep::{SpringBackend, Study, TableError, read_study};
 
 /// Name of the log of evaluations.
 const LOG: &str = "evaluations.csv";
@@ -67,8 +67,10 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         return Err(TableError::Unfinished { path: log }.into());
     }
     let reduced = reduce(&study, arguments.no_cache, &mut progress, interrupt)?;
-    let (evaluator, why) = progress
-        .stage("prepare positions", 0, |_| choose(&study, &reduced.superelements, arguments.route, interrupt))?;
+    let backend = SpringBackend::cpu("a search asks for one design at a time");
+    let (evaluator, why) = progress.stage("prepare positions", 0, |_| {
+        choose(&study, &reduced.superelements, arguments.route, backend, interrupt)
+    })?;
     let record = Record::new(&study, evaluator.route(), Shard::WHOLE)?;
     let mut known: Vec<Row> = Vec::new();
     let mut store = match before.filter(|_| arguments.resume) {

@@ -303,7 +303,7 @@ fn figure(name: &str, figure: f64, bound: f64) -> Check {
     Check { name: name.into(), figure, bound, passed: figure <= bound }
 }
 
-fn without_nulls(value: serde_json::Value) -> serde_json::Value {
+pub(super) fn without_nulls(value: serde_json::Value) -> serde_json::Value {
     match value {
         serde_json::Value::Object(map) => {
             map.into_iter().filter(|(_, v)| !v.is_null()).map(|(k, v)| (k, without_nulls(v))).collect()

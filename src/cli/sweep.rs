@@ -1,9 +1,9 @@
 //! `stiffmap sweep`: the designs of a study, one row each.
 
 use super::UsageError;
-use super::evaluator::{Reduced, Route, choose, reduce};
+use super::evaluator::{Reduced, Route, choose, open_backend, reduce};
 use super::progress::Progress;
-use super::run::slug;
+use super::run::{parse_backend, slug, without_nulls};
 use super::sweep_files::{Finished, write_results};
 use super::sweep_progress::Rate;
 use anyhow::{Context, Result};
@@ -12,6 +12,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::export::atomic::write_bytes;
 use stiffmap::export::manifest::Manifest;
+use stiffmap::gpu::Backend;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::sweep::room::check_room;
 use stiffmap::sweep::runner::{RunError, run};
@@ -44,6 +45,9 @@ pub struct Arguments {
     /// How designs are answered
     #[arg(long, value_enum, default_value = "auto")]
     route: Route,
+    /// Where the coupling route looks for extrema; gpu without an adapter is an error
+    #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu", value_parser = parse_backend)]
+    backend: Backend,
     /// Write the sensitivities of the best design's metrics to its variables
     #[arg(long, conflicts_with = "merge")]
     pub(super) sensitivities: bool,
@@ -77,9 +81,11 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         Record::new(&study, &before.route, shard)?.check_same(before, &out, true)?;
     }
 
+    let backend = open_backend(&study, arguments.route, arguments.backend)?;
     let reduced = reduce(&study, arguments.no_cache, &mut progress, interrupt)?;
-    let (evaluator, why) = progress
-        .stage("prepare positions", 0, |_| choose(&study, &reduced.superelements, arguments.route, interrupt))?;
+    let (evaluator, why) = progress.stage("prepare positions", 0, |_| {
+        choose(&study, &reduced.superelements, arguments.route, backend, interrupt)
+    })?;
     let record = Record::new(&study, evaluator.route(), shard)?;
     let table = out.join(TABLE);
     let mut rows: Vec<Row> = Vec::new();
@@ -111,6 +117,7 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let mut manifest = begin_manifest(&study, &record, &reduced);
     manifest.settings.push("route", json!(evaluator.route()));
     manifest.settings.push("route_why", json!(why));
+    manifest.backend = without_nulls(serde_json::to_value(evaluator.backend())?);
     let counts = &mut manifest.counts;
     counts.push("designs_done_before", done);
     counts.push("designs_done_now", rate.designs());

@@ -12,12 +12,15 @@
 
 use super::metrics::Extremum;
 use nalgebra::Complex;
+use std::ops::Range;
 
 /// Local extrema below this share of the best on the grid cannot overtake it.
 const WORTHWHILE: f64 = 0.7;
 /// A refined value beyond this multiple of the grid's is a pole of the fit, not of the machine: with
 /// steps below a half-power bandwidth the grid misses at most a tenth.
 const BELIEVED: f64 = 1.3;
+/// Neighbours of an index on a coarser look that its refinement may need: one to climb, two for the fit.
+pub const REACH: usize = 3;
 /// Steps of the golden section: the bracket shrinks to 7e-5 of itself, the value to 1e-8.
 const STEPS: usize = 20;
 
@@ -29,40 +32,67 @@ const STEPS: usize = 20;
 /// from the modes.
 pub fn refined_extrema(frequencies: &[f64], response: &[Complex<f64>]) -> (Extremum, Extremum) {
     assert_eq!(frequencies.len(), response.len(), "one value a frequency");
-    let peak = best(frequencies, response, |h| h.norm_sqr());
-    let real = best(frequencies, response, |h| -h.re);
+    refined_extrema_in(frequencies, std::slice::from_ref(&(0..frequencies.len())), response)
+}
+
+/// [`refined_extrema`] of a response that is known in runs of the grid only: `response` holds their values, one run
+/// after the other.
+///
+/// # Accuracy
+/// The same numbers as from the whole response, bit for bit, where the runs hold the largest value and every local
+/// extremum within 0.7 of it with [`REACH`] neighbours.
+pub fn refined_extrema_in(
+    frequencies: &[f64],
+    runs: &[Range<usize>],
+    response: &[Complex<f64>],
+) -> (Extremum, Extremum) {
+    assert_eq!(runs.iter().map(Range::len).sum::<usize>(), response.len(), "one value a frequency of the runs");
+    let peak = best(frequencies, runs, response, |h| h.norm_sqr());
+    let real = best(frequencies, runs, response, |h| -h.re);
     (Extremum { frequency: peak.0, value: peak.1.sqrt() }, Extremum { frequency: real.0, value: -real.1 })
 }
 
 /// The frequency and the value of the largest goal.
-fn best(frequencies: &[f64], response: &[Complex<f64>], goal: impl Fn(Complex<f64>) -> f64) -> (f64, f64) {
+fn best(
+    frequencies: &[f64],
+    runs: &[Range<usize>],
+    response: &[Complex<f64>],
+    goal: impl Fn(Complex<f64>) -> f64,
+) -> (f64, f64) {
     let n = frequencies.len();
     let mut top = (frequencies[0], f64::NEG_INFINITY);
-    for (f, h) in frequencies.iter().zip(response) {
+    for (k, h) in runs.iter().cloned().flatten().zip(response) {
         let value = goal(*h);
         if value > top.1 {
-            top = (*f, value);
+            top = (frequencies[k], value);
         }
     }
     let bar = top.1 - (1.0 - WORTHWHILE) * top.1.abs();
-    for k in 1..n.saturating_sub(1) {
-        let here = goal(response[k]);
-        if here < bar || here < goal(response[k - 1]) || here < goal(response[k + 1]) {
-            continue;
-        }
-        let bracket = [frequencies[k - 1], frequencies[k + 1]];
-        let wide = [k, k - 1, k + 1, k.wrapping_sub(2), k + 2];
-        let points = if k >= 2 && k + 2 < n { &wide[..] } else { &wide[..3] };
-        for points in [points, &wide[..3]] {
-            let fit = Thiele::through(points.iter().map(|&i| (frequencies[i], response[i])));
-            let (f, value) = golden(bracket, |f| goal(fit.at(f)));
-            if value.is_finite() && value <= here + (BELIEVED - 1.0) * here.abs() {
-                if value > top.1 {
-                    top = (f, value);
+    let mut first = 0;
+    for run in runs {
+        let response = |k: usize| response[first + k - run.start];
+        let inside =
+            |k: usize| k >= 1 && k + 1 < n && run.contains(&k.saturating_sub(2)) && run.contains(&(k + 2).min(n - 1));
+        for k in run.clone().filter(|&k| inside(k)) {
+            let here = goal(response(k));
+            if here < bar || here < goal(response(k - 1)) || here < goal(response(k + 1)) {
+                continue;
+            }
+            let bracket = [frequencies[k - 1], frequencies[k + 1]];
+            let wide = [k, k - 1, k + 1, k.wrapping_sub(2), k + 2];
+            let points = if k >= 2 && k + 2 < n { &wide[..] } else { &wide[..3] };
+            for points in [points, &wide[..3]] {
+                let fit = Thiele::through(points.iter().map(|&i| (frequencies[i], response(i))));
+                let (f, value) = golden(bracket, |f| goal(fit.at(f)));
+                if value.is_finite() && value <= here + (BELIEVED - 1.0) * here.abs() {
+                    if value > top.1 {
+                        top = (f, value);
+                    }
+                    break;
                 }
-                break;
             }
         }
+        first += run.len();
     }
     top
 }

@@ -23,7 +23,7 @@ mod tiles;
 mod truncation;
 
 pub use error::FrfError;
-pub use extrema::refined_extrema;
+pub use extrema::{REACH, refined_extrema, refined_extrema_in};
 pub use grid::FrequencyGrid;
 pub use grid_search::GridSearch;
 pub use map::ComplianceMap;

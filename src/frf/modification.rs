@@ -16,6 +16,7 @@
 use crate::linalg::multiply;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Frequencies side by side.
 pub(crate) const LANES: usize = 8;
@@ -130,24 +131,62 @@ impl BaseReceptance {
         pairs: &[(usize, usize)],
         work: &mut Work,
     ) -> Vec<Vec<Complex<f64>>> {
+        self.modified_in(changes, pairs, std::slice::from_ref(&(0..self.frequencies.len())), work)
+    }
+
+    /// [`Self::modified`] at the frequencies of some runs, as [`Self::runs_around`] makes them, one after the other.
+    ///
+    /// # Accuracy
+    /// The same numbers, bit for bit.
+    pub fn modified_in(
+        &self,
+        changes: &[SpringChange],
+        pairs: &[(usize, usize)],
+        runs: &[Range<usize>],
+        work: &mut Work,
+    ) -> Vec<Vec<Complex<f64>>> {
         assert_eq!(changes.len(), self.n_springs, "one change a spring");
+        assert!(runs.iter().all(|run| run.start % LANES == 0), "runs {runs:?} begin with a block of {LANES}");
         work.order.clear();
         work.order.extend((0..self.n_springs).filter(|&s| !changes[s].is_zero()));
         let springs = work.order.len();
         work.order.extend(self.n_springs..self.n_rows);
         work.matrix.resize(entry(work.order.len(), 0), [0.0; 2 * LANES]);
-        let mut out = vec![Vec::with_capacity(self.frequencies.len() + LANES); pairs.len()];
+        let n = runs.iter().map(Range::len).sum();
+        let mut out = vec![Vec::with_capacity(n); pairs.len()];
         pulp::Arch::new().dispatch(|| {
-            for (block, frequencies) in self.frequencies.chunks(LANES).enumerate() {
-                self.gather(block, frequencies, changes, springs, work);
-                eliminate(&mut work.matrix, springs, work.order.len());
-                for (out, &(a, b)) in out.iter_mut().zip(pairs) {
-                    let value = &work.matrix[entry(springs + a.max(b), springs + a.min(b))];
-                    out.extend((0..frequencies.len()).map(|lane| Complex::new(value[lane], value[LANES + lane])));
+            for run in runs {
+                for (block, frequencies) in (run.start / LANES..).zip(self.frequencies[run.clone()].chunks(LANES)) {
+                    self.gather(block, frequencies, changes, springs, work);
+                    eliminate(&mut work.matrix, springs, work.order.len());
+                    for (out, &(a, b)) in out.iter_mut().zip(pairs) {
+                        let value = &work.matrix[entry(springs + a.max(b), springs + a.min(b))];
+                        out.extend((0..frequencies.len()).map(|lane| Complex::new(value[lane], value[LANES + lane])));
+                    }
                 }
             }
         });
         out
+    }
+
+    /// Runs of frequencies, ascending and apart, that hold each index and its neighbours up to `reach`: whole blocks
+    /// of those that are eliminated side by side.
+    pub fn runs_around(&self, indices: &[usize], reach: usize) -> Vec<Range<usize>> {
+        let n = self.frequencies.len();
+        let mut wanted = vec![false; n.div_ceil(LANES)];
+        for &index in indices {
+            assert!(index < n, "frequency {index} of {n}");
+            wanted[index.saturating_sub(reach) / LANES..=(index + reach).min(n - 1) / LANES].fill(true);
+        }
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        for (block, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
+            let (start, end) = (block * LANES, ((block + 1) * LANES).min(n));
+            match runs.last_mut() {
+                Some(run) if run.end == start => run.end = end,
+                _ => runs.push(start..end),
+            }
+        }
+        runs
     }
 
     /// The bordered matrix of a block of frequencies.

@@ -138,7 +138,7 @@ impl Search<'_> {
                     let chunks = range.frequencies.len().div_ceil(CHUNK as usize);
                     let workgroups = [chunks as u32, range.positions.len() as u32, model.groups(variant.duos)];
                     let bytes = range.positions.len() * chunks * n_pairs * size_of::<Extrema<T>>();
-                    let tile = slots[i % 2].submit(gpu, &pipeline, &tile, workgroups, bytes as u64)?;
+                    let tile = slots[i % 2].submit(gpu, &pipeline, tile.inputs(), workgroups, bytes as u64)?;
                     Some((range, chunks, i % 2, tile))
                 }
             };

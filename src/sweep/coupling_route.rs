@@ -6,12 +6,14 @@
 //! models of the same damping, not one.
 
 use super::bases::Bases;
+use super::device::{BackendUse, SpringBackend};
 use super::modes_route::static_compliance;
 use super::{Design, Evaluation, Evaluator, PositionMetrics, Prepared, Request, SweepError};
 use crate::coupling::{Around, SpringValues};
-use crate::frf::metrics::PairMetrics;
+use crate::frf::metrics::{Extremum, PairMetrics};
 use crate::frf::modification::{BaseMode, BaseReceptance, SpringChange, Work};
 use crate::frf::refined_extrema;
+use crate::gpu::modification::SpringRequest;
 use crate::interrupt::Interrupt;
 use crate::machine::{Damping, Machine};
 use crate::modal::{Modes, base_modes, modes_around};
@@ -37,6 +39,7 @@ const FELT: f64 = 1e-6;
 pub struct CouplingRoute<'a> {
     bases: Bases<'a>,
     pairs: Vec<(usize, usize)>,
+    backend: SpringBackend,
 }
 
 impl<'a> CouplingRoute<'a> {
@@ -58,7 +61,20 @@ impl<'a> CouplingRoute<'a> {
         let bases = Bases::new(machine, superelements, request, probes, interrupt)?;
         let model = &bases.nominal.model;
         let n = model.output_names().len().min(model.input_names().len());
-        Ok(Self { bases, pairs: (0..n).map(|i| (i, i)).collect() })
+        let backend = SpringBackend::cpu("no device is asked for");
+        Ok(Self { bases, pairs: (0..n).map(|i| (i, i)).collect(), backend })
+    }
+
+    /// The same on another back end; its extrema are the same.
+    ///
+    /// # Errors
+    /// [`SweepError::Device`] if a device is asked for and its kernels have no room for the springs that vary.
+    pub fn on(self, backend: SpringBackend) -> Result<Self, SweepError> {
+        if let Some(around) = self.prepared().around.first() {
+            let inputs = if around.outputs == around.inputs { 0 } else { around.inputs.nrows() };
+            backend.fit(around.varied.len(), around.outputs.nrows() + inputs)?;
+        }
+        Ok(Self { backend, ..self })
     }
 
     /// The prepared positions.
@@ -85,27 +101,102 @@ impl<'a> CouplingRoute<'a> {
     }
 
     fn evaluate_with(&self, prepared: &Prepared, designs: &[&Design]) -> Vec<Result<Evaluation, SweepError>> {
-        let one = |around: &Around| -> Vec<Result<PositionMetrics, SweepError>> {
+        if self.backend.is_untimed() {
+            self.time(prepared, designs);
+        }
+        let one = |(index, around): (usize, &Around)| -> Vec<Result<PositionMetrics, SweepError>> {
             let mut work = Work::default();
-            let mut base: Option<Base<'_>> = None;
-            let answer = |design: &&Design| {
-                if self.bases.interrupt.requested() {
-                    return Err(SweepError::Interrupted);
+            let mut answers = Vec::with_capacity(designs.len());
+            while answers.len() < designs.len() {
+                let rest = &designs[answers.len()..];
+                match self.base(prepared, around, rest[0]) {
+                    Err(error) => answers.push(Err(error)),
+                    Ok(base) => {
+                        let served = rest.iter().take_while(|design| base.serves(design)).count().max(1);
+                        answers.extend(self.answers(index, prepared, &base, &rest[..served], &mut work));
+                    }
                 }
-                if base.as_ref().is_none_or(|b| !b.serves(design)) {
-                    let frequencies =
-                        self.grid(around, &prepared.model.spring_values(self.bases.machine, around.position)?, design)?;
-                    base = Some(Base::new(around, design, &frequencies)?);
-                }
-                let base = base.as_ref().expect("made above");
-                let values = prepared.model.spring_values(&design.machine, around.position)?;
-                self.metrics(base, design, &values, &mut work)
-            };
-            designs.iter().map(answer).collect()
+            }
+            answers
         };
-        let positions: Vec<_> = prepared.around.par_iter().map(one).collect();
+        let positions: Vec<_> = prepared.around.par_iter().enumerate().map(one).collect();
         let mut columns: Vec<_> = positions.into_iter().map(Vec::into_iter).collect();
         designs.iter().map(|_| columns.iter_mut().flat_map(Iterator::next).collect()).collect()
+    }
+
+    /// The base's receptances at a position with a design's damping.
+    fn base<'b>(&self, prepared: &Prepared, around: &'b Around, design: &Design) -> Result<Base<'b>, SweepError> {
+        let nominal = prepared.model.spring_values(self.bases.machine, around.position)?;
+        Base::new(around, design, &self.grid(around, &nominal, design)?)
+    }
+
+    /// Metrics of designs that share a base.
+    fn answers(
+        &self,
+        index: usize,
+        prepared: &Prepared,
+        base: &Base<'_>,
+        designs: &[&Design],
+        work: &mut Work,
+    ) -> Vec<Result<PositionMetrics, SweepError>> {
+        let values: Vec<_> =
+            designs.iter().map(|d| prepared.model.spring_values(&d.machine, base.around.position)).collect();
+        let changes: Vec<Vec<SpringChange>> = values.iter().flatten().map(|v| base.changes(v)).collect();
+        let mut found = match self.extrema(index, base, &changes, work) {
+            Ok(found) => found.into_iter(),
+            Err(SweepError::Interrupted) => return designs.iter().map(|_| Err(SweepError::Interrupted)).collect(),
+            Err(error) => {
+                let message = error.to_string();
+                return designs.iter().map(|_| Err(SweepError::Device { message: message.clone() })).collect();
+            }
+        };
+        let answers = designs.iter().zip(values).map(|(design, values)| {
+            let values = values?;
+            let extrema = found.next().expect("extrema of each design that has changes");
+            self.metrics(base, design, &values, &extrema, work)
+        });
+        answers.collect()
+    }
+
+    /// Extrema of each design's direct pairs.
+    fn extrema(
+        &self,
+        index: usize,
+        base: &Base<'_>,
+        changes: &[Vec<SpringChange>],
+        work: &mut Work,
+    ) -> Result<Vec<Vec<(Extremum, Extremum)>>, SweepError> {
+        if self.bases.interrupt.requested() {
+            return Err(SweepError::Interrupted);
+        }
+        let pairs = self.port_pairs(base);
+        let request = SpringRequest { base: &base.receptance, designs: changes, pairs: &pairs, position: index };
+        if let Some(found) = self.backend.extrema(&request)? {
+            return Ok(found);
+        }
+        let one = |changes: &Vec<SpringChange>| {
+            if self.bases.interrupt.requested() {
+                return Err(SweepError::Interrupted);
+            }
+            let responses = base.receptance.modified(changes, &pairs, work);
+            Ok(responses.iter().map(|h| refined_extrema(&base.receptance.frequencies, h)).collect())
+        };
+        changes.iter().map(one).collect()
+    }
+
+    /// Times both back ends on a batch at the first position.
+    fn time(&self, prepared: &Prepared, designs: &[&Design]) {
+        let (Some(around), Some(first)) = (prepared.around.first(), designs.first()) else { return };
+        // A base that cannot be had is reported where it is asked for.
+        let Ok(base) = self.base(prepared, around, first) else { return };
+        let values = designs.iter().flat_map(|d| prepared.model.spring_values(&d.machine, around.position));
+        let changes: Vec<Vec<SpringChange>> = values.map(|v| base.changes(&v)).collect();
+        let pairs = self.port_pairs(&base);
+        self.backend.time(&SpringRequest { base: &base.receptance, designs: &changes, pairs: &pairs, position: 0 });
+    }
+
+    fn port_pairs(&self, base: &Base<'_>) -> Vec<(usize, usize)> {
+        self.pairs.iter().map(|&(i, j)| (i, base.first_input + j)).collect()
     }
 
     fn metrics(
@@ -113,18 +204,19 @@ impl<'a> CouplingRoute<'a> {
         base: &Base<'_>,
         design: &Design,
         values: &SpringValues,
+        extrema: &[(Extremum, Extremum)],
         work: &mut Work,
     ) -> Result<PositionMetrics, SweepError> {
-        let pairs: Vec<(usize, usize)> = self.pairs.iter().map(|&(i, j)| (i, base.first_input + j)).collect();
-        let responses = base.receptance.modified(&base.changes(values), &pairs, work);
-        let found = self.pairs.iter().zip(&responses).map(|(&(output, input), response)| {
-            let (peak, most_negative_real) = refined_extrema(&base.receptance.frequencies, response);
-            PairMetrics { output, input, peak, most_negative_real }
+        let found = self.pairs.iter().zip(extrema).map(|(&(output, input), &(peak, most_negative_real))| PairMetrics {
+            output,
+            input,
+            peak,
+            most_negative_real,
         });
         let static_compliance = match &base.at_rest {
             Some(at_rest) => {
                 let changes = base.static_changes(values);
-                at_rest.modified(&changes, &pairs, work).iter().map(|h| h[0].re).collect()
+                at_rest.modified(&changes, &self.port_pairs(base), work).iter().map(|h| h[0].re).collect()
             }
             None => {
                 let losses: Vec<Option<f64>> = design.machine.parts.iter().map(|p| p.loss_factor).collect();
@@ -167,6 +259,10 @@ impl Evaluator for CouplingRoute<'_> {
 
     fn batch(&self) -> usize {
         BATCH
+    }
+
+    fn backend(&self) -> BackendUse {
+        self.backend.used()
     }
 
     fn evaluate(&self, designs: &[Design]) -> Vec<Result<Evaluation, SweepError>> {

@@ -7,6 +7,7 @@
 mod bases;
 mod coupling_route;
 mod design;
+mod device;
 pub mod goals;
 pub mod machine_values;
 pub mod metrics;
@@ -31,6 +32,7 @@ pub mod variables;
 
 pub use coupling_route::CouplingRoute;
 pub use design::{Design, PartScale};
+pub use device::{BackendUse, SpringBackend};
 pub use modes_route::ModesRoute;
 pub use prepared::{Prepared, Request, varied_springs};
 pub use sensitivity::Sensitivity;
@@ -65,8 +67,19 @@ pub trait Evaluator {
     /// Designs that are best answered together.
     fn batch(&self) -> usize;
 
+    /// What has computed the designs so far.
+    fn backend(&self) -> BackendUse {
+        BackendUse::cpu("eigenproblems are solved on the processor")
+    }
+
     /// Metrics of each design, in order, on all threads; a design that cannot be answered has its own error.
     fn evaluate(&self, designs: &[Design]) -> Vec<Result<Evaluation, SweepError>>;
+}
+
+impl From<crate::gpu::GpuError> for SweepError {
+    fn from(error: crate::gpu::GpuError) -> Self {
+        Self::Device { message: error.to_string() }
+    }
 }
 
 /// Why a design or a sweep could not be answered.
@@ -100,6 +113,12 @@ pub enum SweepError {
     /// The coupling route has no eigenfrequencies.
     #[error("eigenfrequencies of families need the modes route; leave the families out or write route = \"modes\"")]
     NeedsModes,
+    /// The device that was asked for failed.
+    #[error("{message}")]
+    Device {
+        /// Why.
+        message: String,
+    },
     /// The work was interrupted.
     #[error("interrupted")]
     Interrupted,

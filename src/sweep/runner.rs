@@ -13,6 +13,12 @@ pub enum RunError {
     /// The table could not be written.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// The device that was asked for failed.
+    #[error("{message}; the designs done so far are in the table, continue with --resume")]
+    Device {
+        /// Why.
+        message: String,
+    },
     /// The user asked to stop.
     #[error("interrupted; the designs done so far are in the table, continue with --resume")]
     Interrupted,
@@ -42,6 +48,11 @@ pub fn run(
         let stopped = outcomes.iter().any(|o| matches!(o, Err(SweepError::Interrupted)));
         if stopped || interrupt.requested() {
             return Err(RunError::Interrupted);
+        }
+        for outcome in &outcomes {
+            if let Err(SweepError::Device { message }) = outcome {
+                return Err(RunError::Device { message: message.clone() });
+            }
         }
         let rows: Vec<Row> = (next..end)
             .zip(values)
