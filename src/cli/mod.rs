@@ -24,6 +24,7 @@ mod sweep_rates;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
+use stiffmap::coupling::CouplingError;
 use stiffmap::export::ExportError;
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
@@ -31,7 +32,7 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
-use stiffmap::sweep::{StudyError, TableError};
+use stiffmap::sweep::{StudyError, SweepError, TableError};
 
 /// Dynamic stiffness of a machine tool over its whole work volume.
 #[derive(Parser, Debug)]
@@ -103,6 +104,7 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error.is::<MeshError>()
         || error.is::<StudyError>()
         || error.downcast_ref::<TableError>().is_some_and(TableError::is_input)
+        || error.downcast_ref::<SweepError>().is_some_and(is_design_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
         || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
             (Some(e), _) | (_, Some(GpuError::Request(e))) => {
@@ -111,6 +113,15 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
             _ => false,
         };
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
+}
+
+/// Whether a study asks for what its machine or the route cannot be.
+fn is_design_input(error: &SweepError) -> bool {
+    match error {
+        SweepError::Coupling(error) => !matches!(error, CouplingError::Basis(_)),
+        SweepError::NeedsModes | SweepError::Value { .. } => true,
+        _ => false,
+    }
 }
 
 /// An error with its causes, each said once.

@@ -71,11 +71,6 @@ impl Study {
         corners.iter().map(|values| self.design(values)).collect()
     }
 
-    /// The machine's own value of each variable, where it has one.
-    pub fn nominal(&self) -> Vec<Option<f64>> {
-        self.variables.iter().map(|v| v.nominal).collect()
-    }
-
     /// The frequencies of the machine's grid within the band, Hz, its ends among them.
     pub fn frequencies(&self) -> Vec<f64> {
         let [from, to] = self.band;

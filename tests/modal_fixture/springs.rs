@@ -99,4 +99,3 @@ pub fn frobenius(found: &[Vec<Vec<Complex<f64>>>], exact: &[Vec<Vec<Complex<f64>
 
 /// Factor by which nominal springs are multiplied in the base that designs between 0.3 and 3 start from.
 pub const AROUND: f64 = 1.0;
-

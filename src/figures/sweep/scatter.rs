@@ -55,7 +55,7 @@ pub fn draw_scatter(
             if last {
                 let text = label(&variable.name, &variable.unit);
                 let middle = 0.5 * (frame.left + frame.right);
-                let size = fitted(&font, &text, SMALL, wide - 8.0);
+                let size = fitted(&font, &text, SMALL, wide - 30.0);
                 font.draw(&mut canvas, &text, (middle, frame.bottom + 80.0), size, Align::Middle);
             }
         }
