@@ -4,7 +4,7 @@ use crate::coupling::{BasisOptions, CoupledModel, CouplingError, check_screw, co
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, symmetric_eigen};
 use crate::machine::{Damping, Joint, JointPoint, Machine, SpringStiffness};
-use crate::mesh::{MeshError, MeshFile, read_mesh_file};
+use crate::mesh::{MeshError, MeshFile, read_part_mesh};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, Tracker, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
 use crate::solid::{SolidError, interface_motions};
@@ -55,7 +55,7 @@ pub type Step<'a> = &'a (dyn Fn() + Sync);
 /// # Errors
 /// [`PipelineError::Mesh`], with file and line.
 pub fn read_meshes(machine: &Machine) -> Result<Vec<MeshFile>, PipelineError> {
-    machine.parts.par_iter().map(|part| Ok(read_mesh_file(&part.mesh, part.mesh_units)?)).collect()
+    machine.parts.par_iter().map(|part| Ok(read_part_mesh(part)?)).collect()
 }
 
 /// Reduces every part, parts in parallel; superelements come from the cache where there is one.

@@ -8,6 +8,7 @@ mod frequencies;
 mod init;
 mod map;
 mod memory;
+mod modes;
 mod optimise;
 mod overrides;
 mod pictures;
@@ -54,6 +55,8 @@ enum Command {
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
     Init(init::Arguments),
+    /// Compute the frequencies of one CalculiX or Abaqus deck
+    Modes(modes::Arguments),
     /// List the adapters that could compute a map
     Devices(devices::Arguments),
     /// Measure the compliance kernel on the processor and on each adapter
@@ -89,6 +92,7 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
         Command::Optimise(arguments) => optimise::optimise(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
+        Command::Modes(arguments) => modes::modes(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     }

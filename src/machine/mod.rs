@@ -19,11 +19,13 @@ mod joints;
 mod model;
 mod nearest;
 mod parts;
+mod placement;
 mod ports;
 mod quantity;
 mod read;
 mod springs;
 pub(crate) mod table;
+mod units;
 
 pub(crate) use analysis::read_damping;
 pub use bundled::bundled_vertical_mill;

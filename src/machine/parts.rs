@@ -4,8 +4,10 @@ use super::error::MachineError;
 use super::interfaces::read_interfaces;
 use super::model::{Material, MeshUnits, Part};
 use super::nearest::nearest;
+use super::placement::{read_placement, read_supports};
 use super::quantity::Dimension;
 use super::table::{Bound, Item, Table};
+use super::units::read_units;
 use std::path::{Path, PathBuf};
 
 type Result<T> = std::result::Result<T, MachineError>;
@@ -33,6 +35,9 @@ fn read_part(name: &str, item: &Item<'_>, folder: &Path, default_units: MeshUnit
     let clamped = table.get("clamped").map(|item| read_set_names(&item)).transpose()?;
     let interfaces = table.get("interfaces").map(|item| read_interfaces(&item)).transpose()?;
     let loss_factor = table.get("loss_factor").map(|item| read_loss_factor(&item)).transpose()?;
+    let supported = table.get("supported").map(|item| read_supports(&item)).transpose()?;
+    let plain_bricks = table.get("plain_bricks").map(|item| item.boolean()).transpose()?;
+    let placement = read_placement(&table)?;
     table.finish()?;
     Ok(Part {
         name: name.to_owned(),
@@ -42,6 +47,9 @@ fn read_part(name: &str, item: &Item<'_>, folder: &Path, default_units: MeshUnit
         interfaces: interfaces.unwrap_or_default(),
         loss_factor,
         mesh_units: units.unwrap_or(default_units),
+        supported: supported.unwrap_or_default(),
+        plain_bricks: plain_bricks.unwrap_or(false),
+        placement,
     })
 }
 
@@ -63,17 +71,6 @@ fn read_mesh_path(item: &Item<'_>, folder: &Path) -> Result<PathBuf> {
     let last = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let nearest = nearest(&last, neighbours.iter().map(String::as_str)).map(str::to_owned);
     Err(MachineError::MissingMesh { place: item.place(), path, nearest })
-}
-
-fn read_units(item: &Item<'_>) -> Result<MeshUnits> {
-    match item.text()? {
-        "m-kg-s" => Ok(MeshUnits::METRE_KILOGRAM_SECOND),
-        "mm-t-s" => Ok(MeshUnits::MILLIMETRE_TONNE_SECOND),
-        _ => {
-            Err(item
-                .refuse("\"m-kg-s\" (N, Pa) or \"mm-t-s\" (N, MPa)", "name the units that the mesh file is written in"))
-        }
-    }
 }
 
 fn read_material(item: &Item<'_>, part: &str) -> Result<Material> {

@@ -2,6 +2,7 @@
 //! the rigid motions of its interfaces as rows over the nodes.
 
 mod assembly;
+mod held;
 mod interface;
 mod numbering;
 mod surface;
@@ -71,6 +72,16 @@ pub enum SolidError {
         pieces: usize,
         /// Label of an element outside the first piece.
         element: u64,
+    },
+    /// A node set that holds displacements names no node of the mesh.
+    #[error(
+        "part \"{part}\": the set \"{set}\" under `supported` holds no node of an element; correct the name or remove it"
+    )]
+    EmptySupport {
+        /// Part.
+        part: String,
+        /// Set.
+        set: String,
     },
     /// The clamped nodes leave the part free to turn.
     #[error("part \"{part}\": its clamped nodes lie on one line, so it can still turn; clamp a surface")]
