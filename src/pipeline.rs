@@ -1,6 +1,6 @@
 //! The main job's stages, each a function from one named struct to the next.
 
-use crate::coupling::{BasisOptions, CoupledModel, CouplingError, couple, reduction_requests};
+use crate::coupling::{BasisOptions, CoupledModel, CouplingError, Unreduced, couple, reduction_requests, unreduced};
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, symmetric_eigen};
 use crate::machine::{Joint, JointPoint, Machine};
@@ -183,6 +183,17 @@ pub fn solve_positions(
         positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
     let families = track(&modes, reported, &|position| modes_at(model, damping, position, polished))?;
     Ok(Solved { modes, counts, families })
+}
+
+/// The machine's springs at a position over the nodes of its parts, before any reduction.
+///
+/// # Errors
+/// [`PipelineError::Solid`] for an interface without a surface, [`PipelineError::Coupling`].
+pub fn unreduced_springs(machine: &Machine, meshes: &[MeshFile], position: f64) -> Result<Unreduced, PipelineError> {
+    let own = machine.parts.iter().zip(meshes).map(|(part, file)| interface_motions(part, &file.mesh));
+    let surfaces = own.collect::<Result<Vec<_>, _>>()?;
+    let meshes: Vec<_> = meshes.iter().map(|f| &f.mesh).collect();
+    Ok(unreduced(machine, &meshes, &surfaces, position)?)
 }
 
 /// What the user should know about the cache.

@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod devices;
+mod export;
 mod init;
 mod overrides;
 mod progress;
@@ -37,6 +38,8 @@ enum Command {
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
     Init(init::Arguments),
+    /// Write the assembled machine at a position for another program: a CalculiX deck or matrices
+    Export(export::Arguments),
     /// List the adapters that could compute a map
     Devices(devices::Arguments),
     /// Measure the compliance kernel on the processor and on each adapter
@@ -70,6 +73,7 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
         Command::Run(arguments) => run::run(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
+        Command::Export(arguments) => export::export(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     }

@@ -18,6 +18,7 @@ mod joint;
 mod model;
 mod side_by_side;
 mod training;
+mod unreduced;
 
 pub use basis::{BasisOptions, ResidualEnergy};
 pub use joint::{CoupledJoint, CoupledSpring};
@@ -25,6 +26,7 @@ pub(crate) use joint::{free_length, overhang};
 pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};
 pub use side_by_side::{PortRow, SideBySide};
 pub use training::reduction_requests;
+pub use unreduced::{PlacedInterface, PlacedSpring, Unreduced, unreduced};
 
 use crate::linalg::LinalgError;
 

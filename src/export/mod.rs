@@ -16,6 +16,7 @@
 //! | `manifest.json` | [`manifest::Manifest`] | [`manifest::Manifest::write`] |
 
 pub mod atomic;
+pub mod deck;
 mod digits;
 pub mod eigenfrequencies;
 pub mod manifest;

@@ -8,7 +8,7 @@ mod surface;
 
 pub use assembly::{SecondOrder, assemble};
 pub use interface::{InterfaceMotion, NodeRows, rotation_arm};
-pub use numbering::interface_motions;
+pub use numbering::{interface_motions, rigid_nodes};
 pub use surface::{Face, Surface};
 
 /// Why a part could not be assembled.

@@ -100,8 +100,8 @@ pub(super) fn number(
     Ok(Numbering { nodes, groups, n_dof })
 }
 
-/// The nodes of an interface's surface that lie inside its region.
-fn rigid_nodes(interface: &Interface, motion: &InterfaceMotion, mesh: &Mesh) -> Vec<usize> {
+/// The nodes of an interface's surface that lie inside its region: those that a rigid one carries.
+pub fn rigid_nodes(interface: &Interface, motion: &InterfaceMotion, mesh: &Mesh) -> Vec<usize> {
     let inside = |node: &usize| {
         interface.within.is_none_or(|region| {
             (0..3).all(|c| {
