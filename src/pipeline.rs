@@ -3,8 +3,9 @@
 use crate::coupling::{BasisOptions, CoupledModel, CouplingError, Unreduced, couple, reduction_requests, unreduced};
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, symmetric_eigen};
-use crate::machine::{Joint, JointPoint, Machine};
-use crate::mesh::{MeshError, MeshFile, read_mesh_file};
+use crate::machine::{InterfaceRef, Joint, JointPoint, Machine, Motion};
+use crate::matrix::GivenNodes;
+use crate::mesh::{Mesh, MeshError, MeshFile, read_part};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
 use crate::solid::{SolidError, interface_motions};
@@ -50,12 +51,12 @@ impl PipelineError {
 /// Reports that one more of a stage's steps is done.
 pub type Step<'a> = &'a (dyn Fn() + Sync);
 
-/// Reads every part's mesh.
+/// Reads every part's mesh or matrices.
 ///
 /// # Errors
 /// [`PipelineError::Mesh`], with file and line.
 pub fn read_meshes(machine: &Machine) -> Result<Vec<MeshFile>, PipelineError> {
-    machine.parts.par_iter().map(|part| Ok(read_mesh_file(&part.mesh, part.mesh_units)?)).collect()
+    machine.parts.par_iter().map(|part| Ok(read_part(part)?)).collect()
 }
 
 /// Reduces every part, parts in parallel; superelements come from the cache where there is one.
@@ -233,10 +234,17 @@ pub fn check_travel(
                 );
             }
         }
+        for side in joint.between {
+            check_rotation(machine, joint, side, &meshes[side.part].mesh, centroids)?;
+        }
         let Some(footprint) = joint.footprint else { continue };
         let [rail, carriage] = joint.between;
         let part = &machine.parts[rail.part];
         let surface = &interface_motions(part, &meshes[rail.part].mesh)?[rail.interface].0;
+        if surface.faces.is_empty() {
+            let rail = format!("{}.{}", part.name, part.interfaces[rail.interface].name);
+            return Err(CouplingError::RailWithoutSurface { joint: joint.name.clone(), rail }.into());
+        }
         let point = match joint.at {
             JointPoint::Point(x) => x,
             JointPoint::Centroid(side) => centroids[joint.between[side].part][joint.between[side].interface],
@@ -249,4 +257,38 @@ pub fn check_travel(
         }
     }
     Ok(warnings)
+}
+
+/// A single node without rotations must stand at the joint's point at both ends of the travel, and
+/// carry no rotational spring.
+fn check_rotation(
+    machine: &Machine,
+    joint: &Joint,
+    side: InterfaceRef,
+    mesh: &Mesh,
+    centroids: &[Vec<[f64; 3]>],
+) -> Result<(), PipelineError> {
+    let Some(GivenNodes::Point(_)) = mesh.matrices.as_ref().map(|m| &m.interfaces[side.interface]) else {
+        return Ok(());
+    };
+    let part = &machine.parts[side.part];
+    if interface_motions(part, mesh)?[side.interface].1.rows.nodes.len() == 2 {
+        return Ok(());
+    }
+    let point = match joint.at {
+        JointPoint::Point(x) => x,
+        JointPoint::Centroid(s) => centroids[joint.between[s].part][joint.between[s].interface],
+    };
+    let moves = |s: InterfaceRef| f64::from(machine.axis.moves[s.part]);
+    for position in machine.axis.travel {
+        let travelled = (moves(joint.between[1]) - moves(side)) * position;
+        let node = centroids[side.part][side.interface];
+        let offset = |c: usize| point[c] + travelled * machine.axis.direction[c] - node[c];
+        let arm = (0..3).map(|c| offset(c).powi(2)).sum::<f64>().sqrt();
+        if arm > 1e-6 || joint.springs.iter().any(|s| s.motion == Motion::Rotation) {
+            let interface = format!("{}.{}", part.name, part.interfaces[side.interface].name);
+            return Err(CouplingError::NoRotation { joint: joint.name.clone(), interface, arm, position }.into());
+        }
+    }
+    Ok(())
 }

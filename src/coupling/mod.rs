@@ -64,6 +64,30 @@ pub enum CouplingError {
         /// Length, m.
         length: f64,
     },
+    /// A rail on a part without surfaces.
+    #[error(
+        "joint \"{joint}\": the rail \"{rail}\" is a node set without faces, so no footprint can travel on it; give the part's `mesh` beside its matrices"
+    )]
+    RailWithoutSurface {
+        /// Joint.
+        joint: String,
+        /// Interface.
+        rail: String,
+    },
+    /// A joint turns an interface that is a single node without rotations.
+    #[error(
+        "joint \"{joint}\": the interface \"{interface}\" is one node without rotations, {arm:.3e} m from the joint's point at position {position} m, or under a rotational spring; use a set of nodes, or put the joint's `at` on the node"
+    )]
+    NoRotation {
+        /// Joint.
+        joint: String,
+        /// Interface.
+        interface: String,
+        /// Distance of the node from the joint's point, m.
+        arm: f64,
+        /// Position, m.
+        position: f64,
+    },
     /// A position outside the travel.
     #[error("position {position} m lies outside the travel of axis \"{axis}\", {from} to {to} m")]
     OutsideTravel {

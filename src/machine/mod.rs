@@ -15,6 +15,7 @@ mod error;
 mod interfaces;
 mod joint_kinds;
 mod joints;
+mod matrices;
 mod model;
 mod nearest;
 mod parts;

@@ -38,6 +38,78 @@ pub struct Part {
     pub loss_factor: Option<f64>,
     /// Length, mass and time unit of the mesh file, as factors to m, kg, s.
     pub mesh_units: MeshUnits,
+    /// Stiffness and mass as another program wrote them, in place of the mesh's elements; `mesh` is then
+    /// the stiffness file unless the part names a mesh for its nodes and surfaces.
+    pub matrices: Option<MatrixFiles>,
+}
+
+impl Part {
+    /// Every file that the part is made from.
+    pub fn files(&self) -> Vec<&std::path::Path> {
+        let mut files = vec![self.mesh.as_path()];
+        if let Some(given) = &self.matrices {
+            let optional = [&given.dofs, &given.nodes, &given.sets];
+            let own = [&given.stiffness, &given.mass].into_iter().chain(optional.into_iter().flatten());
+            files.extend(own.map(PathBuf::as_path).filter(|f| *f != self.mesh));
+            files.dedup();
+        }
+        files
+    }
+}
+
+/// A part's matrices, by file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MatrixFiles {
+    /// Stiffness.
+    pub stiffness: PathBuf,
+    /// Mass.
+    pub mass: PathBuf,
+    /// Name of the stiffness in a file of several matrices.
+    pub stiffness_name: Option<String>,
+    /// Name of the mass in a file of several matrices.
+    pub mass_name: Option<String>,
+    /// Table of degrees of freedom.
+    pub dofs: Option<PathBuf>,
+    /// Coordinates of the nodes.
+    pub nodes: Option<PathBuf>,
+    /// Node sets.
+    pub sets: Option<PathBuf>,
+    /// Whether the part is free, where the matrices leave doubt.
+    pub free: Option<bool>,
+    /// Whether the part names a mesh too.
+    pub with_mesh: bool,
+    /// One an interface of the part.
+    pub interfaces: Vec<InterfaceNodes>,
+}
+
+impl MatrixFiles {
+    /// The file that labels the rows.
+    pub fn label_file(&self) -> &std::path::Path {
+        self.dofs.as_deref().unwrap_or(&self.stiffness)
+    }
+}
+
+/// What the machine file says of the nodes of an interface of a part given by matrices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InterfaceNodes {
+    /// Labels in place of a set's name.
+    pub labels: Option<Vec<u64>>,
+    /// Weights.
+    pub weights: InterfaceWeights,
+}
+
+/// Weights of an interface's nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum InterfaceWeights {
+    /// Nothing said: the table's, or areas where there is a mesh.
+    #[default]
+    Unsaid,
+    /// Areas of the mesh's faces.
+    Area,
+    /// The same for all.
+    Equal,
+    /// One a node, in the order of the labels or ascending labels of a set.
+    Given(Vec<f64>),
 }
 
 /// Factors from a mesh file's units to m, kg and s.

@@ -9,7 +9,8 @@ pub mod inp;
 pub use error::{MeshError, Spot};
 pub use inp::read_inp;
 
-use crate::machine::{Material, MeshUnits, nearest};
+use crate::machine::{Material, MeshUnits, Part, nearest};
+use crate::matrix::{Geometry, GivenMatrices, MatrixPart, read_part_matrices};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -43,6 +44,29 @@ pub fn read_mesh_file(path: &Path, units: MeshUnits) -> Result<MeshFile, MeshErr
     }
 }
 
+/// The mesh of a part, or its matrices with its nodes.
+///
+/// # Errors
+/// As [`read_mesh_file`]; [`MeshError::Matrix`] for a part given by matrices.
+pub fn read_part(part: &Part) -> Result<MeshFile, MeshError> {
+    let Some(files) = &part.matrices else { return read_mesh_file(&part.mesh, part.mesh_units) };
+    let MeshFile { mut mesh, mut warnings } = if files.with_mesh {
+        read_mesh_file(&part.mesh, part.mesh_units)?
+    } else {
+        MeshFile { mesh: Mesh::default(), warnings: Vec::new() }
+    };
+    let geometry = files.with_mesh.then(|| Geometry {
+        nodes: std::mem::take(&mut mesh.nodes),
+        labels: std::mem::take(&mut mesh.node_labels),
+        sets: std::mem::take(&mut mesh.node_sets),
+    });
+    let MatrixPart { geometry, matrices, warnings: own } = read_part_matrices(part, files, geometry)?;
+    (mesh.nodes, mesh.node_labels, mesh.node_sets) = (geometry.nodes, geometry.labels, geometry.sets);
+    mesh.matrices = Some(Box::new(matrices));
+    warnings.extend(own.into_iter().map(|text| Warning { line: 0, text }));
+    Ok(MeshFile { mesh, warnings })
+}
+
 /// The mesh of a file; its warnings go to the log.
 ///
 /// # Errors
@@ -70,6 +94,8 @@ pub struct Mesh {
     pub element_sets: BTreeMap<String, Vec<usize>>,
     /// Materials of the file.
     pub materials: Vec<Material>,
+    /// Stiffness and mass in place of what the cells would give.
+    pub matrices: Option<Box<GivenMatrices>>,
 }
 
 impl Mesh {

@@ -31,11 +31,11 @@ pub struct SecondOrder {
     /// Node coordinates, m.
     pub nodes: Vec<[f64; 3]>,
     /// Unknowns of each node: for each of its three displacements, (unknown, factor) pairs.
-    node_unknowns: Vec<NodeMap>,
+    pub(super) node_unknowns: Vec<NodeMap>,
     /// Unknowns grouped for the fill-reducing order.
-    groups: Vec<Vec<usize>>,
+    pub(super) groups: Vec<Vec<usize>>,
     /// The groups that each group touches.
-    neighbours: Vec<Vec<usize>>,
+    pub(super) neighbours: Vec<Vec<usize>>,
 }
 
 impl SecondOrder {
@@ -82,12 +82,16 @@ impl SecondOrder {
 /// Assembles a part.
 ///
 /// Stiffness by the four-point rule, consistent mass by fifteen points. Clamped nodes are removed;
-/// the nodes of rigid interfaces follow six unknowns each.
+/// the nodes of rigid interfaces follow six unknowns each. A part given by matrices takes those.
 ///
 /// # Errors
 /// [`SolidError`] for inverted elements, missing materials, unknown sets, surfaces without a face,
-/// meshes in pieces, clamps on a line, overlapping rigid surfaces.
+/// meshes in pieces, clamps on a line, overlapping rigid surfaces; given matrices that are indefinite, in
+/// pieces, held in part, or without the rows that an interface reads.
 pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
+    if let Some(given) = &mesh.matrices {
+        return super::given::assemble(part, mesh, given);
+    }
     let name = &part.name;
     one_piece(name, mesh)?;
     let clamped = clamped_nodes(part, mesh)?;
@@ -185,7 +189,7 @@ fn pattern(mesh: &Mesh, nodes: &[NodeMap], n_dof: usize) -> Vec<Vec<usize>> {
 }
 
 /// The groups that each group of unknowns touches, without itself.
-fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<usize>> {
+pub(super) fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let mut group_of = vec![0; pattern.len()];
     for (g, unknowns) in groups.iter().enumerate() {
         for &u in unknowns {
@@ -193,7 +197,8 @@ fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<us
         }
     }
     let touched = |(g, unknowns): (usize, &Vec<usize>)| {
-        let mut touched: Vec<usize> = pattern[unknowns[0]].iter().map(|&u| group_of[u]).filter(|&h| h != g).collect();
+        let columns = unknowns.iter().flat_map(|&u| &pattern[u]);
+        let mut touched: Vec<usize> = columns.map(|&u| group_of[u]).filter(|&h| h != g).collect();
         touched.sort_unstable();
         touched.dedup();
         touched
