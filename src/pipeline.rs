@@ -1,14 +1,17 @@
 //! The main job's stages, each a function from one named struct to the next.
 
-use crate::coupling::{BasisOptions, CoupledModel, CouplingError, Unreduced, couple, reduction_requests, unreduced};
+use crate::coupling::{
+    BasisOptions, CoupledModel, CouplingError, Unreduced, at_fixed_position, couple, reduction_requests, unreduced,
+};
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, symmetric_eigen};
-use crate::machine::{InterfaceRef, Joint, JointPoint, Machine, Motion};
+use crate::machine::{InterfaceRef, Joint, JointPoint, Machine, Motion, SurfaceCoupling};
 use crate::matrix::GivenNodes;
 use crate::mesh::{Mesh, MeshError, MeshFile, read_part};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
 use crate::solid::{SolidError, interface_motions};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Why a stage failed.
@@ -195,6 +198,70 @@ pub fn unreduced_springs(machine: &Machine, meshes: &[MeshFile], position: f64) 
     let surfaces = own.collect::<Result<Vec<_>, _>>()?;
     let meshes: Vec<_> = meshes.iter().map(|f| &f.mesh).collect();
     Ok(unreduced(machine, &meshes, &surfaces, position)?)
+}
+
+/// A machine with its modes at one position.
+#[derive(Debug)]
+pub struct AtOnePosition {
+    /// The modes.
+    pub modes: Modes,
+    /// Motions of all interfaces of all parts, six rows each, over the elastic modes asked for.
+    pub motions: DMatrix<f64>,
+    /// Unknowns before the reduction.
+    pub n_dof: usize,
+}
+
+/// Reduces and couples a machine and finds its lowest `elastic` modes at a position, counted.
+///
+/// # Errors
+/// [`PipelineError`] of the stage that fails.
+pub fn at_position(
+    machine: &Machine,
+    meshes: &[MeshFile],
+    cache: Option<&Cache>,
+    position: f64,
+    elastic: usize,
+    interrupt: &Interrupt,
+) -> Result<AtOnePosition, PipelineError> {
+    let cached = reduce_parts(machine, meshes, cache, interrupt, &|| ())?;
+    let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
+    let (model, _) = build_model(machine, &superelements, elastic, 0.0)?;
+    let modes = modes_at(&model, &machine.analysis.damping, position, elastic + 16)?;
+    check_count(&model, &modes, modes.free + elastic)?;
+    let wanted = elastic.min(modes.eigenvalues.len() - modes.free);
+    let shapes = modes.shapes.columns(modes.free, wanted);
+    let count = superelements.iter().map(|s| s.interfaces.len()).sum::<usize>();
+    let mut motions = DMatrix::zeros(6 * count, wanted);
+    let interfaces = superelements.iter().zip(&model.parts).flat_map(|(s, p)| s.interfaces.iter().map(move |i| (i, p)));
+    for (k, (interface, part)) in interfaces.enumerate() {
+        motions.rows_mut(6 * k, 6).copy_from(&(&interface.rows * (&part.basis * shapes)));
+    }
+    Ok(AtOnePosition { modes, motions, n_dof: superelements.iter().map(|s| s.n_dof).sum() })
+}
+
+/// The machine at a position with all its joints' interfaces distributing, and with all of them rigid.
+///
+/// # Errors
+/// [`PipelineError`]; a node that two rigid interfaces would carry is one.
+pub fn interface_band(
+    machine: &Machine,
+    position: f64,
+    elastic: usize,
+    cache: Option<&Cache>,
+    interrupt: &Interrupt,
+) -> Result<[AtOnePosition; 2], PipelineError> {
+    let meshes = read_meshes(machine)?;
+    let own = machine.parts.iter().zip(&meshes).map(|(part, file)| interface_motions(part, &file.mesh));
+    let own = own.map(|motions| Ok(motions?.iter().map(|(_, m)| m.centroid).collect()));
+    let centroids = own.collect::<Result<Vec<Vec<[f64; 3]>>, SolidError>>()?;
+    check_travel(machine, &meshes, &centroids)?;
+    let one = |coupling| {
+        let fixed = at_fixed_position(machine, &centroids, position, coupling)?;
+        // Parts given by matrices form their interfaces as they are read.
+        let meshes = if fixed.parts.iter().any(|p| p.matrices.is_some()) { &read_meshes(&fixed)? } else { &meshes };
+        at_position(&fixed, meshes, cache, position, elastic, interrupt)
+    };
+    Ok([one(SurfaceCoupling::Distributing)?, one(SurfaceCoupling::Rigid)?])
 }
 
 /// What the user should know about the cache.

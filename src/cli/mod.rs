@@ -1,7 +1,9 @@
 //! The command line: one file a subcommand.
 
+mod band;
 mod bench;
 mod check;
+mod converge;
 mod devices;
 mod export;
 mod init;
@@ -18,7 +20,7 @@ use stiffmap::export::ExportError;
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
 use stiffmap::interrupt::Interrupt;
-use stiffmap::machine::{MachineError, bundled_vertical_mill};
+use stiffmap::machine::{Machine, MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
 
@@ -40,6 +42,10 @@ enum Command {
     Init(init::Arguments),
     /// Write the assembled machine at a position for another program: a CalculiX deck or matrices
     Export(export::Arguments),
+    /// Frequencies with distributing and with rigid interfaces: how much the contacts' modelling matters
+    Band(band::Arguments),
+    /// How far the frequencies are from those of an infinitely fine mesh
+    Converge(converge::Arguments),
     /// List the adapters that could compute a map
     Devices(devices::Arguments),
     /// Measure the compliance kernel on the processor and on each adapter
@@ -73,7 +79,9 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
         Command::Run(arguments) => run::run(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
-        Command::Export(arguments) => export::export(&arguments),
+        Command::Export(arguments) => export::export(&arguments, interrupt),
+        Command::Band(arguments) => band::band(&arguments, interrupt),
+        Command::Converge(arguments) => converge::converge(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     }
@@ -106,6 +114,24 @@ pub fn describe(error: &anyhow::Error) -> String {
             format!("{said}: {cause}")
         }
     })
+}
+
+/// The position asked for, or the first of the travel.
+fn position(machine: &Machine, asked: Option<f64>) -> Result<f64, UsageError> {
+    let [from, to] = machine.axis.travel;
+    let position = asked.unwrap_or(from);
+    if (from.min(to) - 1e-9..=from.max(to) + 1e-9).contains(&position) {
+        return Ok(position);
+    }
+    Err(UsageError(format!(
+        "--position: {position} m is outside the travel of axis \"{}\", {from} to {to} m",
+        machine.axis.name
+    )))
+}
+
+/// The number of modes asked for, which must be one at least.
+fn at_least_one(modes: usize) -> Result<usize, UsageError> {
+    if modes == 0 { Err(UsageError("--modes: 0 is not allowed; at least 1".into())) } else { Ok(modes) }
 }
 
 /// The machine file that a command means: the one named, or the bundled mill in a folder of its own.

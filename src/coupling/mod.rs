@@ -13,14 +13,18 @@
 //! neighbourhood, the inertia of the joints' static responses over the whole travel, and, in series
 //! with the joints, the static flexibility of all the rest, exact at every position.
 
+mod assembled;
 mod basis;
+mod fixed_position;
 mod joint;
 mod model;
 mod side_by_side;
 mod training;
 mod unreduced;
 
+pub use assembled::{Assembled, AssembledRow, assembled};
 pub use basis::{BasisOptions, ResidualEnergy};
+pub use fixed_position::at_fixed_position;
 pub use joint::{CoupledJoint, CoupledSpring};
 pub(crate) use joint::{free_length, overhang};
 pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};
@@ -87,6 +91,12 @@ pub enum CouplingError {
         arm: f64,
         /// Position, m.
         position: f64,
+    },
+    /// A guide along no global axis cannot be cut to its footprint.
+    #[error("joint \"{joint}\": the travel is along none of the axes x, y, z, so its footprint cannot be made rigid")]
+    TravelAcross {
+        /// Joint.
+        joint: String,
     },
     /// A position outside the travel.
     #[error("position {position} m lies outside the travel of axis \"{axis}\", {from} to {to} m")]

@@ -78,6 +78,9 @@ pub fn write_deck(
     atomic::write_bytes(path, deck.text.as_bytes())
 }
 
+/// Elements of one type and material, with their numbers.
+type Group<'a> = (CellKind, &'a Material, Vec<(usize, &'a Cell)>);
+
 struct Deck<'a> {
     path: &'a Path,
     text: String,
@@ -119,7 +122,7 @@ impl Deck<'_> {
                 part.name
             )));
         }
-        let mut groups: Vec<(CellKind, &Material, Vec<(usize, &Cell)>)> = Vec::new();
+        let mut groups: Vec<Group<'_>> = Vec::new();
         for (i, cell) in mesh.cells.iter().enumerate() {
             let material = part.material.as_ref().or_else(|| cell.material.map(|m| &mesh.materials[m]));
             let material = material
@@ -216,11 +219,10 @@ impl Deck<'_> {
         let theta = self.point(at)?;
         for &node in nodes {
             let [x, y, z] = [0, 1, 2].map(|c| mesh.nodes[node][c] - centre[c]);
-            let turns = [[(2, z), (3, -y)], [(3, x), (1, -z)], [(1, y), (2, -x)]];
-            for c in 0..3 {
-                let terms: Vec<Term> =
-                    [(t, c + 1, 1.0)].into_iter().chain(turns[c].map(|(d, arm)| (theta, d, arm))).collect();
-                self.equation(&interface.name, (self.first_node[interface.part] + node, c + 1), &terms)?;
+            for (c, turns) in [[(2, z), (3, -y)], [(3, x), (1, -z)], [(1, y), (2, -x)]].into_iter().enumerate() {
+                let terms = [(t, c + 1, 1.0)].into_iter().chain(turns.map(|(d, arm)| (theta, d, arm)));
+                let dependent = (self.first_node[interface.part] + node, c + 1);
+                self.equation(&interface.name, dependent, &terms.collect::<Vec<Term>>())?;
             }
         }
         Ok(())

@@ -22,6 +22,7 @@ pub mod eigenfrequencies;
 pub mod manifest;
 pub mod mat;
 pub mod mat5;
+pub mod matrix_market;
 pub mod response;
 pub mod surface;
 pub mod vts;

@@ -1,9 +1,11 @@
 //! Modes at a position: found, counted, tracked into families.
 
+mod convergence;
 mod free_motion;
 mod solve;
 mod tracking;
 
+pub use convergence::{ConvergenceError, Extrapolation, extrapolate};
 pub use solve::{FreeMotion, ModeCount, Modes, check_count, modes_at, modes_of};
 pub use tracking::{mode_table, track};
 

@@ -44,6 +44,30 @@ impl SecondOrder {
         self.stiffness.n()
     }
 
+    /// The unknowns, with factors, that a node's displacement along axis 0, 1 or 2 follows from.
+    pub fn unknowns_of(&self, node: usize, axis: usize) -> Vec<(usize, f64)> {
+        let mut out = Vec::new();
+        self.node_unknowns[node].each(|unknown, component, factor| {
+            if component == axis && factor != 0.0 {
+                out.push((unknown, factor));
+            }
+        });
+        out
+    }
+
+    /// What each unknown is: a node and its direction (0 to 2 translations, 3 to 5 rotations); `None` for
+    /// a modal coordinate or a rigid surface's motion.
+    pub fn node_of_unknown(&self) -> Vec<Option<(usize, usize)>> {
+        let mut out = vec![None; self.n_dof()];
+        for (i, map) in self.node_unknowns.iter().enumerate() {
+            if let NodeMap::Free(_) | NodeMap::Single(_) = map {
+                let (node, turn) = (i % self.nodes.len(), 3 * (i / self.nodes.len()));
+                map.each(|unknown, component, _| out[unknown] = Some((node, component + turn)));
+            }
+        }
+        out
+    }
+
     /// A fill-reducing order of the unknowns.
     ///
     /// # Errors

@@ -132,7 +132,8 @@ pub(super) fn clamped_nodes(part: &Part, mesh: &Mesh) -> Result<BTreeSet<usize>,
         clamped.extend(find_set(part, mesh, set, "clamped")?.iter().copied());
     }
     let points: Vec<Vector3<f64>> = clamped.iter().map(|&n| Vector3::from(mesh.nodes[n])).collect();
-    if let Some(first) = points.first() {
+    // Nodes of given matrices may have rotations; whether those hold the part is seen in the stiffness.
+    if let Some(first) = points.first().filter(|_| mesh.matrices.is_none()) {
         let far = points.iter().map(|p| p - first).max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
         if !points.iter().any(|p| (p - first).cross(&far).norm() > 1e-6 * far.norm_squared()) {
             return Err(SolidError::ClampOnLine { part: part.name.clone() });
