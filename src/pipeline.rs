@@ -7,7 +7,7 @@ use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, symmetric_eigen};
 use crate::machine::{InterfaceRef, Joint, JointPoint, Machine, Motion, SurfaceCoupling};
 use crate::matrix::GivenNodes;
-use crate::mesh::{Mesh, MeshError, MeshFile, read_part};
+use crate::mesh::{Mesh, MeshError, MeshFile, read_part_mesh};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
 use crate::solid::{SolidError, interface_motions};
@@ -59,7 +59,7 @@ pub type Step<'a> = &'a (dyn Fn() + Sync);
 /// # Errors
 /// [`PipelineError::Mesh`], with file and line.
 pub fn read_meshes(machine: &Machine) -> Result<Vec<MeshFile>, PipelineError> {
-    machine.parts.par_iter().map(|part| Ok(read_part(part)?)).collect()
+    machine.parts.par_iter().map(|part| Ok(read_part_mesh(part)?)).collect()
 }
 
 /// Reduces every part, parts in parallel; superelements come from the cache where there is one.

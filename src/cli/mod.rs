@@ -7,6 +7,7 @@ mod converge;
 mod devices;
 mod export;
 mod init;
+mod modes;
 mod overrides;
 mod progress;
 mod record;
@@ -46,6 +47,8 @@ enum Command {
     Band(band::Arguments),
     /// How far the frequencies are from those of an infinitely fine mesh
     Converge(converge::Arguments),
+    /// Compute the frequencies of one CalculiX or Abaqus deck
+    Modes(modes::Arguments),
     /// List the adapters that could compute a map
     Devices(devices::Arguments),
     /// Measure the compliance kernel on the processor and on each adapter
@@ -82,6 +85,7 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
         Command::Export(arguments) => export::export(&arguments, interrupt),
         Command::Band(arguments) => band::band(&arguments, interrupt),
         Command::Converge(arguments) => converge::converge(&arguments, interrupt),
+        Command::Modes(arguments) => modes::modes(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     }

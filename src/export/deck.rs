@@ -10,7 +10,7 @@ use super::{ExportError, atomic, finite};
 use crate::coupling::{PlacedInterface, Unreduced};
 use crate::machine::{Machine, Material, Part};
 use crate::mesh::{Cell, CellKind, Mesh};
-use crate::solid::rigid_nodes;
+use crate::solid::{held_displacements, rigid_nodes};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -71,8 +71,8 @@ pub fn write_deck(
         let first = reference[springs.first_interface[port.interface.part] + port.interface.interface];
         deck.line(format_args!("** port {}: translations of node {first}", port.name));
     }
-    for part in machine.parts.iter().filter(|p| !p.clamped.is_empty()) {
-        deck.line(format_args!("*BOUNDARY\n{}, 1, 3", set_name("CLAMPED", &part.name)));
+    for (p, (part, mesh)) in machine.parts.iter().zip(meshes).enumerate() {
+        deck.held(p, &held_displacements(part, mesh).map_err(|e| deck.refused(e.to_string()))?);
     }
     deck.line(format_args!("*STEP\n*FREQUENCY\n{modes}\n*NODE FILE\nU\n*END STEP"));
     atomic::write_bytes(path, deck.text.as_bytes())
@@ -115,9 +115,8 @@ impl Deck<'_> {
     }
 
     fn part(&mut self, part: &Part, mesh: &Mesh, moved: [f64; 3], first_element: usize) -> Result<(), ExportError> {
-        let refused = |reason: String| ExportError::Format { path: self.path.to_path_buf(), reason };
         if mesh.cells.is_empty() {
-            return Err(refused(format!(
+            return Err(self.refused(format!(
                 "part \"{}\" is given by matrices, which a CalculiX deck cannot hold; export it with --format mtx",
                 part.name
             )));
@@ -126,7 +125,7 @@ impl Deck<'_> {
         for (i, cell) in mesh.cells.iter().enumerate() {
             let material = part.material.as_ref().or_else(|| cell.material.map(|m| &mesh.materials[m]));
             let material = material
-                .ok_or_else(|| refused(format!("part \"{}\": element {} has no material", part.name, cell.label)))?;
+                .ok_or_else(|| self.refused(format!("part \"{}\": element {} has no material", part.name, cell.label)))?;
             match groups.iter_mut().find(|(kind, m, _)| *kind == cell.kind && std::ptr::eq(*m, material)) {
                 Some((.., cells)) => cells.push((first_element + i, cell)),
                 None => groups.push((cell.kind, material, vec![(first_element + i, cell)])),
@@ -141,7 +140,7 @@ impl Deck<'_> {
         }
         for (g, (kind, material, cells)) in groups.iter().enumerate() {
             let name = set_name(&format!("ELEMENTS_{}", g + 1), &part.name);
-            self.line(format_args!("*ELEMENT, TYPE={}, ELSET={name}", type_name(*kind)));
+            self.line(format_args!("*ELEMENT, TYPE={}, ELSET={name}", kind.name()));
             for (number, cell) in cells {
                 self.element(*number, cell, first);
             }
@@ -151,15 +150,22 @@ impl Deck<'_> {
             self.line(format_args!("*DENSITY\n{:.12e}", material.density));
             self.line(format_args!("*SOLID SECTION, ELSET={name}, MATERIAL={material_name}"));
         }
-        let sets = part.clamped.iter().filter_map(|set| mesh.node_set(set));
-        let clamped: BTreeSet<usize> = sets.flatten().copied().collect();
-        if !clamped.is_empty() {
-            self.line(format_args!("*NSET, NSET={}", set_name("CLAMPED", &part.name)));
-            for node in clamped {
-                self.line(format_args!("{},", first + node));
+        Ok(())
+    }
+
+    fn refused(&self, reason: String) -> ExportError {
+        ExportError::Format { path: self.path.to_path_buf(), reason }
+    }
+
+    fn held(&mut self, part: usize, nodes: &[(usize, [bool; 3])]) {
+        if !nodes.is_empty() {
+            self.line(format_args!("*BOUNDARY"));
+        }
+        for (node, directions) in nodes {
+            for c in (0..3).filter(|&c| directions[c]) {
+                self.line(format_args!("{}, {}, {}", self.first_node[part] + node, c + 1, c + 1));
             }
         }
-        Ok(())
     }
 
     fn element(&mut self, number: usize, cell: &Cell, first: usize) {
@@ -240,13 +246,6 @@ impl Deck<'_> {
         // The spring's node would carry two unknowns without any stiffness.
         self.line(format_args!("*BOUNDARY\n{node}, 2, 3"));
         Ok(())
-    }
-}
-
-/// CalculiX's name of an element type.
-fn type_name(kind: CellKind) -> &'static str {
-    match kind {
-        CellKind::Tet10 => "C3D10",
     }
 }
 

@@ -19,11 +19,13 @@ mod matrices;
 mod model;
 mod nearest;
 mod parts;
+mod placement;
 mod ports;
 mod quantity;
 mod read;
 mod springs;
 mod table;
+mod units;
 
 pub use bundled::bundled_vertical_mill;
 pub use error::{MachineError, Place};

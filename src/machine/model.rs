@@ -41,6 +41,41 @@ pub struct Part {
     /// Stiffness and mass as another program wrote them, in place of the mesh's elements; `mesh` is then
     /// the stiffness file unless the part names a mesh for its nodes and surfaces.
     pub matrices: Option<MatrixFiles>,
+    /// Node sets of which single displacements are fixed to ground.
+    pub supported: Vec<Support>,
+    /// Whether C3D8 elements stay plain; otherwise they get incompatible modes (C3D8I).
+    pub plain_bricks: bool,
+    /// Where the mesh stands in the machine.
+    pub placement: Placement,
+}
+
+/// A node set some of whose displacements are fixed to ground.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Support {
+    /// Node set of the mesh.
+    pub nodes: String,
+    /// Which of x, y, z (of the machine) are fixed.
+    pub directions: [bool; 3],
+}
+
+/// How the mesh file's coordinates lie in the machine: x = origin + R x_mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// R, by rows; its columns are the mesh's axes in the machine.
+    pub rotation: [[f64; 3]; 3],
+    /// The mesh's origin in the machine, m.
+    pub origin: [f64; 3],
+}
+
+impl Placement {
+    /// The mesh stands as it is drawn.
+    pub const IDENTITY: Self = Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
+
+    /// A point of the mesh (m) in the machine.
+    pub fn apply(&self, x: [f64; 3]) -> [f64; 3] {
+        let r = &self.rotation;
+        std::array::from_fn(|i| self.origin[i] + r[i][0] * x[0] + r[i][1] * x[1] + r[i][2] * x[2])
+    }
 }
 
 impl Part {

@@ -3,10 +3,12 @@
 use super::error::MachineError;
 use super::interfaces::read_interfaces;
 use super::matrices::read_matrix_files;
-use super::model::{Material, MeshUnits, Part};
+use super::model::{Material, MeshUnits, Part, Placement};
 use super::nearest::nearest;
+use super::placement::{read_placement, read_supports};
 use super::quantity::Dimension;
 use super::table::{Bound, Item, Table};
+use super::units::read_units;
 use std::path::{Path, PathBuf};
 
 type Result<T> = std::result::Result<T, MachineError>;
@@ -46,6 +48,13 @@ fn read_part(name: &str, item: &Item<'_>, folder: &Path, default_units: MeshUnit
         );
     }
     let loss_factor = table.get("loss_factor").map(|item| read_loss_factor(&item)).transpose()?;
+    let supported = table.get("supported").map(|item| read_supports(&item)).transpose()?;
+    let plain_bricks = table.get("plain_bricks").map(|item| item.boolean()).transpose()?;
+    let placement = read_placement(&table)?;
+    if matrices.is_some() && placement.rotation != Placement::IDENTITY.rotation {
+        let advice = "write the matrices in the machine's directions; only an origin may be given";
+        return Err(item.refuse_seen("a turned part by matrices", "matrices along x, y, z of the machine", advice));
+    }
     table.finish()?;
     Ok(Part {
         name: name.to_owned(),
@@ -56,6 +65,9 @@ fn read_part(name: &str, item: &Item<'_>, folder: &Path, default_units: MeshUnit
         interfaces,
         loss_factor,
         mesh_units: units.unwrap_or(default_units),
+        supported: supported.unwrap_or_default(),
+        plain_bricks: plain_bricks.unwrap_or(false),
+        placement,
     })
 }
 
@@ -77,17 +89,6 @@ pub(super) fn read_mesh_path(item: &Item<'_>, folder: &Path) -> Result<PathBuf> 
     let last = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let nearest = nearest(&last, neighbours.iter().map(String::as_str)).map(str::to_owned);
     Err(MachineError::MissingMesh { place: item.place(), path, nearest })
-}
-
-fn read_units(item: &Item<'_>) -> Result<MeshUnits> {
-    match item.text()? {
-        "m-kg-s" => Ok(MeshUnits::METRE_KILOGRAM_SECOND),
-        "mm-t-s" => Ok(MeshUnits::MILLIMETRE_TONNE_SECOND),
-        _ => {
-            Err(item
-                .refuse("\"m-kg-s\" (N, Pa) or \"mm-t-s\" (N, MPa)", "name the units that the mesh file is written in"))
-        }
-    }
 }
 
 fn read_material(item: &Item<'_>, part: &str) -> Result<Material> {

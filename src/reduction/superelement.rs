@@ -237,13 +237,14 @@ pub fn reduce(
 
 fn reduced_rail(system: &SecondOrder, interface: usize, vectors: &DMatrix<f64>) -> ReducedRail {
     let surface = &system.surfaces[interface];
-    let mut nodes: Vec<usize> = surface.faces.iter().flat_map(|f| f.nodes).collect();
+    let mut nodes: Vec<usize> = surface.faces.iter().flat_map(|f| f.nodes.iter().copied()).collect();
     nodes.sort_unstable();
     nodes.dedup();
     let mut local = surface.clone();
     for face in &mut local.faces {
-        face.nodes =
-            face.nodes.map(|n| nodes.binary_search(&n).unwrap_or_else(|_| unreachable!("nodes lists all of them")));
+        for node in &mut face.nodes {
+            *node = nodes.binary_search(node).unwrap_or_else(|_| unreachable!("nodes lists all of them"));
+        }
     }
     ReducedRail {
         interface,

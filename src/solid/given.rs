@@ -5,7 +5,8 @@
 //! motions of its nodes: it is where no entry is above 1e-9 of what its row adds up without signs.
 
 use super::assembly::{SecondOrder, group_neighbours};
-use super::numbering::{NodeMap, clamped_nodes, interface_motions, rigid_nodes};
+use super::held::{Held, held};
+use super::numbering::{NodeMap, interface_motions, rigid_nodes};
 use super::{InterfaceMotion, SolidError, definite};
 use crate::linalg::{SparseBuilder, SparseSymmetric, multiply, multiply_transposed};
 use crate::machine::{Part, SurfaceCoupling};
@@ -32,10 +33,10 @@ struct Numbering {
 }
 
 pub(super) fn assemble(part: &Part, mesh: &Mesh, given: &GivenMatrices) -> Result<SecondOrder, SolidError> {
-    let clamped = clamped_nodes(part, mesh)?;
+    let held = held(part, mesh)?;
     let (surfaces, interfaces): (Vec<_>, Vec<_>) = interface_motions(part, mesh)?.into_iter().unzip();
-    let numbering = number(part, mesh, given, &clamped, &interfaces)?;
-    check_interfaces(part, mesh, given, &clamped, &interfaces, &numbering)?;
+    let numbering = number(part, mesh, given, &held, &interfaces)?;
+    check_interfaces(part, mesh, given, &held, &interfaces, &numbering)?;
     let pattern = pattern(given, &numbering);
     let stiffness = project(&given.stiffness, &numbering.rows, &pattern);
     let mass = project(&given.mass, &numbering.rows, &pattern);
@@ -71,7 +72,7 @@ fn number(
     part: &Part,
     mesh: &Mesh,
     given: &GivenMatrices,
-    clamped: &BTreeSet<usize>,
+    held: &Held,
     interfaces: &[InterfaceMotion],
 ) -> Result<Numbering, SolidError> {
     let n_nodes = mesh.nodes.len();
@@ -83,7 +84,7 @@ fn number(
             continue;
         }
         for node in rigid_nodes(interface, motion, mesh) {
-            if let Some(other) = if clamped.contains(&node) { Some("the clamp") } else { owner[node] } {
+            if let Some(other) = if held.of(node) != [false; 3] { Some("a clamp or support") } else { owner[node] } {
                 return Err(SolidError::RigidOverlap {
                     part: part.name.clone(),
                     interface: interface.name.clone(),
@@ -110,7 +111,7 @@ fn number(
             continue;
         };
         let map = &mut maps[if *direction < 3 { node } else { n_nodes + node }];
-        if owner[node].is_none() && !clamped.contains(&node) {
+        if owner[node].is_none() && !is_held(held, node, *direction) {
             let mut own = if let NodeMap::Single(own) = map { *own } else { [None; 3] };
             own[direction % 3] = Some(n_dof);
             *map = NodeMap::Single(own);
@@ -132,12 +133,18 @@ fn number(
     Ok(Numbering { maps, rigid, groups, rows, n_dof })
 }
 
+/// Whether a direction of a node is held to ground: a clamped node's rotations are held with it.
+fn is_held(held: &Held, node: usize, direction: usize) -> bool {
+    let own = held.of(node);
+    if direction < 3 { own[direction] } else { own == [true; 3] }
+}
+
 /// Refuses an interface that reads a displacement which the matrices do not have.
 fn check_interfaces(
     part: &Part,
     mesh: &Mesh,
     given: &GivenMatrices,
-    clamped: &BTreeSet<usize>,
+    held: &Held,
     interfaces: &[InterfaceMotion],
     numbering: &Numbering,
 ) -> Result<(), SolidError> {
@@ -150,13 +157,13 @@ fn check_interfaces(
                 let read = motion.rows.rows.column(3 * k + c).iter().any(|v| *v != 0.0);
                 let mut has = false;
                 numbering.maps[node].each(|_, component, _| has |= component == c);
-                if read && !has && !clamped.contains(&own) && !fixed.contains(&(own, direction)) {
+                if read && !has && !is_held(held, own, direction) && !fixed.contains(&(own, direction)) {
                     let label = DofLabel::Node { node: mesh.node_labels[own], direction };
                     return Err(SolidError::NoSurface {
                         part: part.name.clone(),
                         interface: interface.name.clone(),
                         reason: format!(
-                            "the matrices have no row for {label}; leave the node out, or name its set in `clamped` if it is fixed to ground"
+                            "the matrices have no row for {label}; leave the node out, or name its set in `clamped` or `supported` if it is fixed to ground"
                         ),
                     });
                 }

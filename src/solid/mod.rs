@@ -4,11 +4,13 @@
 mod assembly;
 mod definite;
 mod given;
+mod held;
 mod interface;
 mod numbering;
 mod surface;
 
 pub use assembly::{SecondOrder, assemble};
+pub use held::held_displacements;
 pub use interface::{InterfaceMotion, NodeRows, rotation_arm};
 pub use numbering::{interface_motions, rigid_nodes};
 pub use surface::{Face, Surface};
@@ -73,6 +75,16 @@ pub enum SolidError {
         pieces: usize,
         /// Label of an element outside the first piece.
         element: u64,
+    },
+    /// A node set that holds displacements names no node of the mesh.
+    #[error(
+        "part \"{part}\": the set \"{set}\" under `supported` holds no node of an element; correct the name or remove it"
+    )]
+    EmptySupport {
+        /// Part.
+        part: String,
+        /// Set.
+        set: String,
     },
     /// The clamped nodes leave the part free to turn.
     #[error("part \"{part}\": its clamped nodes lie on one line, so it can still turn; clamp a surface")]

@@ -4,6 +4,7 @@ use stiffmap::machine::*;
 use tempfile::TempDir;
 
 mod names;
+mod placement;
 mod quantities;
 mod reading;
 mod refusals;

@@ -8,7 +8,7 @@ use std::path::Path;
 use stiffmap::export::matrix_market::write_sparse;
 use stiffmap::linalg::SparseBuilder;
 use stiffmap::machine::{InterfaceNodes, InterfaceWeights, MeshUnits, Part, SurfaceCoupling};
-use stiffmap::mesh::{Mesh, read_part};
+use stiffmap::mesh::{Mesh, read_part_mesh};
 use stiffmap::reduction::Superelement;
 
 /// A free arm with interfaces at both ends.
@@ -37,7 +37,7 @@ fn difference(a: &Superelement, b: &Superelement) -> f64 {
 }
 
 fn read(part: &Part) -> Superelement {
-    let mesh = read_part(part).unwrap_or_else(|e| panic!("{e}")).mesh;
+    let mesh = read_part_mesh(part).unwrap_or_else(|e| panic!("{e}")).mesh;
     superelement(part, &mesh, craig_bampton(20))
 }
 
@@ -92,7 +92,7 @@ fn with_a_mesh_the_faces_weigh_and_rigid_interfaces_are_rigid() {
     // The mesh as its file would give it, and the matrices as read for a part without a mesh.
     let mut both = mesh.clone();
     let sets = files(folder.path(), &part);
-    let mut matrices = read_part(&by_matrices(&part, sets)).expect("reads").mesh.matrices.expect("matrices");
+    let mut matrices = read_part_mesh(&by_matrices(&part, sets)).expect("reads").mesh.matrices.expect("matrices");
     matrices.interfaces = vec![stiffmap::matrix::GivenNodes::Faces; 2];
     both.matrices = Some(matrices);
     let seen = difference(&whole, &superelement(&given, &both, craig_bampton(20)));
@@ -180,7 +180,7 @@ fn a_single_node_moves_by_itself_with_its_rotations() {
     given.interfaces[0] = InterfaceNodes { labels: Some(vec![2]), weights: InterfaceWeights::Unsaid };
     // A foot of one node has no line to be on: it holds by its rotations.
     let held = Part { clamped: vec!["foot".into()], ..by_matrices(&beam, given.clone()) };
-    let mesh = read_part(&held).unwrap_or_else(|e| panic!("{e}")).mesh;
+    let mesh = read_part_mesh(&held).unwrap_or_else(|e| panic!("{e}")).mesh;
     let reduced = superelement(&held, &mesh, craig_bampton(20));
     let frequencies: Vec<f64> = reduced.eigenvalues.iter().map(|l| l.sqrt() / TAU).collect();
     assert!(frequencies.len() == 6 && reduced.interfaces[0].rows.shape() == (6, 6));
@@ -198,7 +198,7 @@ fn a_single_node_moves_by_itself_with_its_rotations() {
     given.interfaces.truncate(1);
     let free = superelement(
         &by_matrices(&beam, given.clone()),
-        &read_part(&by_matrices(&beam, given)).unwrap().mesh,
+        &read_part_mesh(&by_matrices(&beam, given)).unwrap().mesh,
         craig_bampton(20),
     );
     assert_eq!(free.eigenvalues.iter().filter(|l| **l == 0.0).count(), 6);

@@ -5,7 +5,7 @@ use super::{by_matrices, data, files, folder, write_part};
 use std::path::Path;
 use std::process::Command;
 use stiffmap::machine::{InterfaceNodes, InterfaceWeights, MatrixFiles, Part};
-use stiffmap::mesh::read_part;
+use stiffmap::mesh::read_part_mesh;
 use stiffmap::reduction::{ReductionRequest, reduce};
 
 /// A free block with both ends as interfaces, and its matrices in a folder.
@@ -23,7 +23,7 @@ fn refusal(change: &dyn Fn(&Path, &mut MatrixFiles)) -> String {
     let mut files = files(folder.path(), &part);
     change(folder.path(), &mut files);
     let part = by_matrices(&part, files);
-    let mesh = match read_part(&part) {
+    let mesh = match read_part_mesh(&part) {
         Ok(file) => file.mesh,
         Err(error) => return error.to_string(),
     };

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use stiffmap::export::matrix_market::{DofRow, write_dofs};
 use stiffmap::machine::Part;
-use stiffmap::mesh::{Mesh, read_part};
+use stiffmap::mesh::{Mesh, read_part_mesh};
 
 /// Modal coordinates beside the masters.
 const MODES: usize = 12;
@@ -63,7 +63,7 @@ fn a_superelement_of_masters_and_modes_is_read_and_free() {
     let ((part, mesh), folder) = (arm(), folder());
     let [k, m] = reduce(folder.path(), &part, &mesh);
     let given = by_matrices(&part, files(folder.path(), &part));
-    let read = read_part(&given).unwrap_or_else(|e| panic!("{e}")).mesh;
+    let read = read_part_mesh(&given).unwrap_or_else(|e| panic!("{e}")).mesh;
     let reduced = superelement(&given, &read, craig_bampton(40));
     assert_eq!(reduced.eigenvalues.iter().filter(|l| **l == 0.0).count(), 6);
     // As the matrices themselves have it, by a dense solver.
@@ -82,7 +82,7 @@ fn a_small_superelement_is_kept_whole() {
     let ((part, mesh), folder) = (arm(), folder());
     let [k, m] = reduce(folder.path(), &part, &mesh);
     let given = by_matrices(&part, files(folder.path(), &part));
-    let read = read_part(&given).expect("reads").mesh;
+    let read = read_part_mesh(&given).expect("reads").mesh;
     let reduced = superelement(&given, &read, craig_bampton(k.nrows()));
     assert_eq!((reduced.n(), reduced.component_frequencies.len()), (k.nrows(), 0));
     let own = eigenvalues(&k, &m, 1e6);

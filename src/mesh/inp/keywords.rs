@@ -22,7 +22,7 @@ const HARMLESS: &[&str] = &[
     "PREPRINT",
     "RESTART",
     "SPECIFICHEAT",
-    "SURFACE",
+    "TIMEPOINTS",
 ];
 
 /// Whether a keyword may be passed over.
@@ -33,8 +33,6 @@ pub fn is_harmless(name: &str) -> bool {
 /// What to do about a keyword that is refused.
 pub fn advice(name: &str) -> &'static str {
     match name {
-        "BOUNDARY" => "remove it and name the node set under `clamped` in the machine file",
-        "INCLUDE" => "put the included file's text in its place",
         "PART" | "ENDPART" | "INSTANCE" | "ENDINSTANCE" | "ASSEMBLY" | "ENDASSEMBLY" => {
             "write a flat input file, without parts and assembly"
         }
@@ -50,6 +48,14 @@ pub fn advice(name: &str) -> &'static str {
         | "DISTRIBUTINGCOUPLING" => {
             "connect parts by joints in the machine file, and mesh what belongs together as one body"
         }
+        "CYCLICSYMMETRYMODEL" => "model the whole body",
+        "SHELLSECTION" | "MEMBRANESECTION" | "BEAMSECTION" | "BEAMGENERALSECTION" | "NODALTHICKNESS" => {
+            "mesh the body with solid elements"
+        }
+        "CONTACTPAIR" | "SURFACEBEHAVIOR" | "FRICTION" | "GAP" => {
+            "contact is not linear; tie by joints in the machine file"
+        }
+        "INITIALCONDITIONS" => "remove it; the model is linear and at rest",
         "SPRING" | "DASHPOT" => "write it as a spring-damper joint in the machine file",
         "MASS" | "ROTARYINERTIA" | "NONSTRUCTURALMASS" => "mesh the mass as a body",
         "PLASTIC" | "HYPERELASTIC" | "HYPERFOAM" | "VISCOELASTIC" | "USERMATERIAL" => {
