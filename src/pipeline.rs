@@ -200,6 +200,9 @@ pub fn unreduced_springs(machine: &Machine, meshes: &[MeshFile], position: f64) 
     Ok(unreduced(machine, &meshes, &surfaces, position)?)
 }
 
+/// A basis is not made for frequencies above this, Hz.
+const HIGHEST: f64 = 1e7;
+
 /// A machine with its modes at one position.
 #[derive(Debug)]
 pub struct AtOnePosition {
@@ -225,8 +228,20 @@ pub fn at_position(
 ) -> Result<AtOnePosition, PipelineError> {
     let cached = reduce_parts(machine, meshes, cache, interrupt, &|| ())?;
     let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
-    let (model, _) = build_model(machine, &superelements, elastic, 0.0)?;
-    let modes = modes_at(&model, &machine.analysis.damping, position, elastic + 16)?;
+    let mut highest = machine.analysis.frequencies.iter().copied().fold(1.0, f64::max);
+    // A basis made for less than the wanted modes may be too small to tell how far they reach.
+    let (model, modes) = loop {
+        let (model, made) = build_model(machine, &superelements, elastic, highest)?;
+        let modes = modes_at(&model, &machine.analysis.damping, position, elastic + 16)?;
+        let count = modes.eigenvalues.len();
+        let all = superelements.iter().map(Superelement::n).sum::<usize>();
+        let enough = count >= all || count >= 2 * (modes.free + elastic);
+        let reached = modes.frequency((modes.free + elastic).min(count) - 1) <= made;
+        if enough && reached || made > HIGHEST {
+            break (model, modes);
+        }
+        highest = 2.0 * made;
+    };
     check_count(&model, &modes, modes.free + elastic)?;
     let wanted = elastic.min(modes.eigenvalues.len() - modes.free);
     let shapes = modes.shapes.columns(modes.free, wanted);

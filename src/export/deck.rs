@@ -124,8 +124,9 @@ impl Deck<'_> {
         let mut groups: Vec<Group<'_>> = Vec::new();
         for (i, cell) in mesh.cells.iter().enumerate() {
             let material = part.material.as_ref().or_else(|| cell.material.map(|m| &mesh.materials[m]));
-            let material = material
-                .ok_or_else(|| self.refused(format!("part \"{}\": element {} has no material", part.name, cell.label)))?;
+            let material = material.ok_or_else(|| {
+                self.refused(format!("part \"{}\": element {} has no material", part.name, cell.label))
+            })?;
             match groups.iter_mut().find(|(kind, m, _)| *kind == cell.kind && std::ptr::eq(*m, material)) {
                 Some((.., cells)) => cells.push((first_element + i, cell)),
                 None => groups.push((cell.kind, material, vec![(first_element + i, cell)])),

@@ -2,7 +2,8 @@
 
 use super::axis::GLOBAL_AXES;
 use super::error::MachineError;
-use super::model::{Interface, InterfaceNodes, InterfaceRef, InterfaceWeights, Part, Region, SurfaceCoupling};
+use super::matrices::{InterfaceNodes, InterfaceWeights};
+use super::model::{Interface, InterfaceRef, Part, Region, SurfaceCoupling};
 use super::quantity::Dimension;
 use super::table::{Bound, Item, find_name};
 

@@ -29,6 +29,7 @@ mod units;
 
 pub use bundled::bundled_vertical_mill;
 pub use error::{MachineError, Place};
+pub use matrices::{InterfaceNodes, InterfaceWeights, MatrixFiles};
 pub use model::*;
 pub use nearest::nearest;
 pub use quantity::{Dimension, QuantityError, parse_quantity};

@@ -1,5 +1,6 @@
 //! The types of a machine, in SI units.
 
+use super::matrices::MatrixFiles;
 use std::path::PathBuf;
 
 /// A machine: parts, the joints between them, the axis that moves some of them, and what to analyse.
@@ -90,61 +91,6 @@ impl Part {
         }
         files
     }
-}
-
-/// A part's matrices, by file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MatrixFiles {
-    /// Stiffness.
-    pub stiffness: PathBuf,
-    /// Mass.
-    pub mass: PathBuf,
-    /// Name of the stiffness in a file of several matrices.
-    pub stiffness_name: Option<String>,
-    /// Name of the mass in a file of several matrices.
-    pub mass_name: Option<String>,
-    /// Table of degrees of freedom.
-    pub dofs: Option<PathBuf>,
-    /// Coordinates of the nodes.
-    pub nodes: Option<PathBuf>,
-    /// Node sets.
-    pub sets: Option<PathBuf>,
-    /// Whether the part is free, where the matrices leave doubt.
-    pub free: Option<bool>,
-    /// Whether the part names a mesh too.
-    pub with_mesh: bool,
-    /// One an interface of the part.
-    pub interfaces: Vec<InterfaceNodes>,
-}
-
-impl MatrixFiles {
-    /// The file that labels the rows.
-    pub fn label_file(&self) -> &std::path::Path {
-        self.dofs.as_deref().unwrap_or(&self.stiffness)
-    }
-}
-
-/// What the machine file says of the nodes of an interface of a part given by matrices.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct InterfaceNodes {
-    /// Labels in place of a set's name.
-    pub labels: Option<Vec<u64>>,
-    /// Weights.
-    pub weights: InterfaceWeights,
-}
-
-/// Weights of an interface's nodes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum InterfaceWeights {
-    /// Nothing said: the table's, or areas where there is a mesh.
-    #[default]
-    Unsaid,
-    /// Areas of the mesh's faces.
-    Area,
-    /// The same for all.
-    Equal,
-    /// One a node, in the order of the labels or ascending labels of a set.
-    Given(Vec<f64>),
 }
 
 /// Factors from a mesh file's units to m, kg and s.

@@ -21,6 +21,7 @@ mod labels;
 mod market;
 pub mod op4;
 mod read;
+mod source;
 mod text;
 
 pub use abaqus::parse_abaqus;

@@ -1,16 +1,17 @@
 //! Exports of a small machine: CalculiX solves its deck; its matrices give its frequencies back.
 
 use super::support::dense::{full, symmetric_values};
-use super::support::slide;
-use super::{calculix, calculix_frequencies, folder};
+use super::support::{box_mesh, craig_bampton, on, part, superelement};
+use super::{by_matrices, calculix, calculix_frequencies, files, folder};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::OnceLock;
+use stiffmap::machine::{InterfaceNodes, InterfaceWeights, MatrixFiles};
 use stiffmap::matrix::{parse_market, symmetric};
-use stiffmap::mesh::Mesh;
+use stiffmap::mesh::{Mesh, read_part_mesh};
 
 /// Positions: both ends and one between, where no node of the rail meets the footprint's ends.
 const POSITIONS: [f64; 3] = [0.3, -0.0371, -0.3];
@@ -102,10 +103,12 @@ pub fn write_mesh(file: &Path, mesh: &Mesh) {
 /// The slide with an arm on its carriage that only its bearing's rotation leaves free, in a folder.
 fn machine(coupling: &str) -> tempfile::TempDir {
     let folder = folder();
-    let (_, meshes) = slide::machine(true);
-    let arm = super::support::box_mesh([0.02, 0.17, 0.47], [0.06, 0.2, 0.06], [1, 3, 1]);
-    for (name, mesh) in ["bed", "carriage", "arm"].iter().zip(meshes.iter().chain([&arm])) {
-        write_mesh(&folder.path().join(format!("{name}.inp")), mesh);
+    // Fine enough that CalculiX's coarser integration of the mass does not show.
+    let bed = box_mesh([0.0; 3], [0.1, 0.1, 1.0], [2, 2, 20]);
+    let carriage = box_mesh([0.0, 0.11, 0.45], [0.1, 0.05, 0.1], [4, 2, 4]);
+    let arm = box_mesh([0.02, 0.17, 0.47], [0.06, 0.2, 0.06], [2, 6, 2]);
+    for (name, mesh) in [("bed", bed), ("carriage", carriage), ("arm", arm)] {
+        write_mesh(&folder.path().join(format!("{name}.inp")), &mesh);
     }
     std::fs::write(folder.path().join("machine.toml"), MACHINE.replace("COUPLING", coupling)).unwrap();
     folder
@@ -165,7 +168,10 @@ fn against_calculix(folder: &Path, expected: &[Vec<f64>]) {
         }
         let found: Vec<f64> = calculix_frequencies(&deck).into_iter().filter(|f| *f > 1.0).collect();
         let difference = worst(expected, &found);
-        assert!(difference < 1e-4, "{position} m: {difference:.1e}\n{expected:?}\n{found:?}");
+        eprintln!("{position} m: {MODES} elastic frequencies, largest difference {difference:.1e}");
+        assert!(difference < 1e-3, "{position} m: {difference:.1e}\n{expected:?}\n{found:?}");
+        let low = super::support::worst_ratio(&expected[..8], &found[..8]);
+        assert!(low < 1e-5, "{position} m: {low:.1e}");
     }
 }
 
@@ -212,21 +218,27 @@ fn the_full_matrices_are_a_part_with_the_frequencies_of_the_machine() {
     let folder = folder();
     let out = folder.path().to_str().unwrap();
     succeed(source.path(), &["export", ".", "--format", "mtx", "--full", "--position", &position, "--out", out]);
-    // Some nodes far apart, so that the interface moves with every part.
-    let text = "name = \"whole\"\n[axes.z]\ndirection = [0, 0, 1]\ntravel = [0, 0.1]\nstep = 0.1\nmoves = []\n\
-        [parts.whole]\nmatrices = { stiffness = \"stiffness.mtx\", mass = \"mass.mtx\", dofs = \"dofs.csv\", free = false }\n\
-        interfaces = { some = { nodes = [600, 700, 800, 900], weights = \"equal\" } }\n\
-        [ports.some]\ninterface = \"whole.some\"\ndirections = [\"x\"]\n\
-        [analysis]\ncomponent = { modes = 60 }\nmodes = 21\nfrequencies = { from = 0, to = 4000, step = 100 }\ndamping = { ratio = 0.02 }\n";
     // The arm turns freely about its bearing: a spring that is soft beside all others holds it.
     hold(&folder.path().join("stiffness.mtx"));
-    std::fs::write(folder.path().join("machine.toml"), text).unwrap();
-    succeed(folder.path(), &["run", ".", "--no-figures", "--positions", "0", "--out", "out"]);
-    let table = std::fs::read_to_string(folder.path().join("out/eigenfrequencies.csv")).unwrap();
-    let found: Vec<f64> = table.lines().skip(1).map(|l| l.split(',').nth(3).unwrap().parse().unwrap()).collect();
-    assert!(found[0] < 5.0, "{found:?}");
+    let mut whole = part("whole", &[], vec![on("some")]);
+    let files = MatrixFiles {
+        stiffness: folder.path().join("stiffness.mtx"),
+        mass: folder.path().join("mass.mtx"),
+        sets: None,
+        free: Some(false),
+        interfaces: vec![InterfaceNodes {
+            labels: Some(vec![1600, 1700, 1800, 1900]),
+            weights: InterfaceWeights::Equal,
+        }],
+        ..files(folder.path(), &whole)
+    };
+    whole = by_matrices(&whole, files);
+    let mesh = read_part_mesh(&whole).unwrap_or_else(|e| panic!("{e}")).mesh;
+    let reduced = superelement(&whole, &mesh, craig_bampton(60));
+    let found: Vec<f64> = reduced.eigenvalues.iter().map(|l| l.sqrt() / TAU).collect();
+    assert!(found[0] < 5.0, "{:?}", &found[..8]);
     let difference = worst(&expected[1], &found[1..]);
-    assert!(difference < 1e-4, "{difference:.1e}\n{:?}\n{found:?}", expected[1]);
+    assert!(difference < 1e-5, "{difference:.1e}\n{:?}\n{:?}", expected[1], &found[..MODES]);
 }
 
 /// Adds 100 N/m to the last diagonal entry.

@@ -29,7 +29,12 @@ fn difference(a: &Superelement, b: &Superelement) -> f64 {
     let free = |s: &Superelement| s.eigenvalues.iter().take_while(|l| **l == 0.0).count();
     assert_eq!(free(a), free(b));
     let first = free(a);
-    let modes = worst_ratio(&a.eigenvalues[first..first + 20], &b.eigenvalues[first..first + 20]);
+    // Of those beyond the component modes the last digits depend on rounding.
+    let modes = worst_ratio(&a.eigenvalues[first..first + 12], &b.eigenvalues[first..first + 12]);
+    eprintln!(
+        "modes {modes:.1e}, flexibility {:.1e}",
+        (flexibility(a) - flexibility(b)).norm() / flexibility(a).norm()
+    );
     let (fa, fb) = (flexibility(a), flexibility(b));
     let inertia = (a.inertia - b.inertia).norm() / a.inertia.norm();
     let centre = (0..3).map(|c| (a.centre_of_mass[c] - b.centre_of_mass[c]).abs()).sum::<f64>();

@@ -225,9 +225,14 @@ fn an_unknown_format_and_broken_files() {
 #[test]
 fn the_machine_file_says_what_a_part_by_matrices_needs() {
     let (_, folder) = block();
+    let interfaces = "interfaces = { XMIN = { nodes = \"XMIN\" } }";
+    let files = "stiffness = \"k.mtx\", dofs = \"dofs.csv\", sets = \"sets.csv\"";
+    let whole = format!("matrices = {{ {files}, mass = \"m.mtx\" }}\n{interfaces}");
     let machine = |part: &str| {
         let text = format!(
-            "name = \"one\"\n[axes.z]\ndirection = [0, 0, 1]\ntravel = [0, 0.1]\nstep = 0.1\nmoves = []\n[parts.block]\n{part}\n\
+            "name = \"two\"\n[axes.z]\ndirection = [0, 0, 1]\ntravel = [0, 0.1]\nstep = 0.1\nmoves = [\"other\"]\n\
+             [parts.block]\n{part}\n[parts.other]\n{whole}\n\
+             [[joints]]\nname = \"spring\"\ntype = \"spring-damper\"\nbetween = [\"block.XMIN\", \"other.XMIN\"]\nstiffness = {{ x = 1e6 }}\n\
              [ports.tip]\ninterface = \"block.XMIN\"\ndirections = [\"x\"]\n[analysis]\nfrequencies = {{ from = 0, to = 100, step = 10 }}\n"
         );
         std::fs::write(folder.path().join("machine.toml"), text).unwrap();
@@ -235,9 +240,7 @@ fn the_machine_file_says_what_a_part_by_matrices_needs() {
         let output = command.arg("check").arg(folder.path()).output().unwrap();
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
-    let interfaces = "interfaces = { XMIN = { nodes = \"XMIN\" } }";
-    let files = "stiffness = \"k.mtx\", dofs = \"dofs.csv\", sets = \"sets.csv\"";
-    let (code, said) = machine(&format!("matrices = {{ {files}, mass = \"m.mtx\" }}\n{interfaces}"));
+    let (code, said) = machine(&whole);
     assert_eq!(code, Some(0), "{said}");
     let (code, said) = machine(&format!("matrices = {{ {files} }}\n{interfaces}"));
     assert_eq!(code, Some(2));
