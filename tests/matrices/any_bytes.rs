@@ -31,6 +31,11 @@ fn op4(bytes: &[u8]) -> Vec<Coordinates> {
     parse_op4(bytes, Path::new("bytes")).map(|(all, _)| all.into_iter().map(|m| m.matrix).collect()).unwrap_or_default()
 }
 
+/// Cases a property is tried on; STIFFMAP_FUZZ_CASES asks for more.
+fn cases() -> u32 {
+    std::env::var("STIFFMAP_FUZZ_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(300)
+}
+
 fn samples() -> Vec<Vec<u8>> {
     let op4 = ["sparse_text_double", "dense_binary_single", "bigmat_binary_double", "bigmat_text_single"];
     let mut samples: Vec<Vec<u8>> = op4.iter().map(|n| std::fs::read(data(&format!("op4/{n}.op4"))).unwrap()).collect();
@@ -63,7 +68,7 @@ fn sizes_that_are_declared_and_not_there_are_refused_at_once() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig::with_cases(cases()))]
 
     #[test]
     fn changed_and_cut_files_do_no_harm(which in 0..11_usize, at in 0..3000_usize, with in prop::collection::vec(any::<u8>(), 0..12), end in 0..3000_usize) {

@@ -18,7 +18,9 @@ const POSITION: f64 = -0.0371;
 
 #[test]
 fn rigid_interfaces_bound_from_above_and_both_sides_are_the_unreduced_machine() {
-    let (machine, meshes) = slide::machine(true);
+    let (mut machine, meshes) = slide::machine(true);
+    // The guide alone: the screw's faces share edges with its.
+    machine.joints.truncate(1);
     let centroids: Vec<Vec<[f64; 3]>> = machine
         .parts
         .iter()
@@ -53,7 +55,7 @@ const SLIDE: &str = "name = \"slide\"\n[axes.z]\ndirection = [0, 0, 1]\ntravel =
     [[joints]]\nname = \"bolts\"\ntype = \"spring-damper\"\nbetween = [\"post.pad\", \"arm.foot\"]\n\
     stiffness = { x = 2e8, y = 3e8, z = 2.5e8, rx = 4e5, ry = 3e5, rz = 2e5 }\n\
     [ports.tip]\ninterface = \"arm.tip\"\ndirections = [\"x\"]\n\
-    [analysis]\ncomponent = { modes = 20 }\nmodes = 5\nfrequencies = { from = 0, to = 3000, step = 100 }\n";
+    [analysis]\ncomponent = { modes = 20 }\nmodes = 5\nfrequencies = { from = 0, to = 3000, step = 100 }\ndamping = { ratio = 0.02 }\n";
 
 /// A beam on a post, of other sides, so that no two modes are alike, on a mesh of `n` cells across.
 fn slide_of(folder: &Path, name: &str, n: usize) {

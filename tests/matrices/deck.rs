@@ -227,7 +227,7 @@ fn the_full_matrices_are_a_part_with_the_frequencies_of_the_machine() {
         sets: None,
         free: Some(false),
         interfaces: vec![InterfaceNodes {
-            labels: Some(vec![1600, 1700, 1800, 1900]),
+            labels: Some(vec![1500, 1580, 1650, 1740]),
             weights: InterfaceWeights::Equal,
         }],
         ..files(folder.path(), &whole)

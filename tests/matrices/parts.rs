@@ -171,8 +171,8 @@ fn a_single_node_moves_by_itself_with_its_rotations() {
     let pattern: Vec<Vec<usize>> = vec![(0..12).collect(); 12];
     let (mut stiffness, mut masses) = (SparseBuilder::new(&pattern), SparseBuilder::new(&pattern));
     let mut table = String::from("node,direction,x,y,z\n");
-    for i in 0..12 {
-        (0..12).for_each(|j| stiffness.add(i, j, k[i][j]));
+    for (i, row) in k.iter().enumerate() {
+        row.iter().enumerate().for_each(|(j, v)| stiffness.add(i, j, *v));
         masses.add(i, i, if i % 6 < 3 { mass } else { inertia });
         table += &format!("{},{},{},0,0\n", 1 + i / 6, 1 + i % 6, length * (i / 6) as f64);
     }

@@ -1,12 +1,15 @@
 //! Matrices that cannot be used are refused with what was found.
 
+use super::support::slide;
 use super::support::{box_mesh, craig_bampton, on, part};
 use super::{by_matrices, data, files, folder, write_part};
 use std::path::Path;
 use std::process::Command;
 use stiffmap::machine::{InterfaceNodes, InterfaceWeights, MatrixFiles, Part};
-use stiffmap::mesh::read_part_mesh;
+use stiffmap::mesh::{MeshFile, read_part_mesh};
+use stiffmap::pipeline::check_travel;
 use stiffmap::reduction::{ReductionRequest, reduce};
+use stiffmap::solid::interface_motions;
 
 /// A free block with both ends as interfaces, and its matrices in a folder.
 fn block() -> (Part, tempfile::TempDir) {
@@ -233,7 +236,7 @@ fn the_machine_file_says_what_a_part_by_matrices_needs() {
             "name = \"two\"\n[axes.z]\ndirection = [0, 0, 1]\ntravel = [0, 0.1]\nstep = 0.1\nmoves = [\"other\"]\n\
              [parts.block]\n{part}\n[parts.other]\n{whole}\n\
              [[joints]]\nname = \"spring\"\ntype = \"spring-damper\"\nbetween = [\"block.XMIN\", \"other.XMIN\"]\nstiffness = {{ x = 1e6 }}\n\
-             [ports.tip]\ninterface = \"block.XMIN\"\ndirections = [\"x\"]\n[analysis]\nfrequencies = {{ from = 0, to = 100, step = 10 }}\n"
+             [ports.tip]\ninterface = \"block.XMIN\"\ndirections = [\"x\"]\n[analysis]\nfrequencies = {{ from = 0, to = 100, step = 10 }}\ndamping = {{ ratio = 0.02 }}\n"
         );
         std::fs::write(folder.path().join("machine.toml"), text).unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_stiffmap"));
@@ -252,4 +255,33 @@ fn the_machine_file_says_what_a_part_by_matrices_needs() {
         machine(&format!("matrices = {{ {files}, mass = \"m.mtx\", damping = \"c.mtx\" }}\n{interfaces}"));
     assert_eq!(code, Some(2));
     says(&said, &["unknown key `damping`"]);
+}
+
+#[test]
+fn rails_and_joints_that_single_nodes_or_bare_sets_cannot_serve() {
+    let (machine, meshes) = slide::machine(true);
+    let said = |which: usize, nodes: Option<Vec<u64>>| {
+        let folder = folder();
+        let mut machine = machine.clone();
+        let part = &machine.parts[which];
+        write_part(folder.path(), &Part { clamped: Vec::new(), ..part.clone() }, &meshes[which]);
+        let mut given = files(folder.path(), part);
+        if nodes.is_some() {
+            given.interfaces[0].labels = nodes;
+        }
+        machine.parts[which] = by_matrices(part, given);
+        let read = |i: usize| match i == which {
+            true => read_part_mesh(&machine.parts[i]).unwrap_or_else(|e| panic!("{e}")),
+            false => MeshFile { mesh: meshes[i].clone(), warnings: Vec::new() },
+        };
+        let files: Vec<MeshFile> = (0..2).map(read).collect();
+        let pairs = machine.parts.iter().zip(&files);
+        let centroids: Vec<Vec<[f64; 3]>> = pairs
+            .map(|(p, f)| interface_motions(p, &f.mesh).unwrap().iter().map(|(_, m)| m.centroid).collect())
+            .collect();
+        check_travel(&machine, &files, &centroids).map_or_else(|e| e.to_string(), |_| "accepted".into())
+    };
+    says(&said(0, None), &["joint \"guide\"", "bed.YMAX", "without faces", "give the part's `mesh`"]);
+    says(&said(1, Some(vec![1])), &["joint \"guide\"", "carriage.YMIN", "one node without rotations"]);
+    assert_eq!(said(1, None), "accepted");
 }

@@ -69,7 +69,7 @@ fn a_superelement_of_masters_and_modes_is_read_and_free() {
     // As the matrices themselves have it, by a dense solver.
     let own = eigenvalues(&k, &m, 1e6);
     let seen = worst_ratio(&reduced.eigenvalues[6..18], &own[6..18]);
-    assert!(seen < 1e-7, "{seen:.1e}");
+    assert!(seen < 2e-6, "{seen:.1e}");
     // And close to the part that it was made from.
     let whole = superelement(&part, &mesh, craig_bampton(40));
     assert!(worst_ratio(&reduced.eigenvalues[6..12], &whole.eigenvalues[6..12]) < 1e-2);
