@@ -1,9 +1,12 @@
 //! The command line: one file a subcommand.
 
+mod band;
 mod bench;
 mod check;
+mod converge;
 mod devices;
 mod evaluator;
+mod export;
 mod frequencies;
 mod init;
 mod map;
@@ -30,7 +33,7 @@ use stiffmap::export::ExportError;
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
 use stiffmap::interrupt::Interrupt;
-use stiffmap::machine::{MachineError, bundled_vertical_mill};
+use stiffmap::machine::{Machine, MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
 use stiffmap::sweep::{StudyError, SweepError, TableError};
@@ -55,6 +58,12 @@ enum Command {
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
     Init(init::Arguments),
+    /// Write the assembled machine at a position for another program: a CalculiX deck or matrices
+    Export(export::Arguments),
+    /// Frequencies with distributing and with rigid interfaces: how much the contacts' modelling matters
+    Band(band::Arguments),
+    /// How far the frequencies are from those of an infinitely fine mesh
+    Converge(converge::Arguments),
     /// Compute the frequencies of one CalculiX or Abaqus deck
     Modes(modes::Arguments),
     /// List the adapters that could compute a map
@@ -92,6 +101,9 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
         Command::Optimise(arguments) => optimise::optimise(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
+        Command::Export(arguments) => export::export(&arguments, interrupt),
+        Command::Band(arguments) => band::band(&arguments, interrupt),
+        Command::Converge(arguments) => converge::converge(&arguments, interrupt),
         Command::Modes(arguments) => modes::modes(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
@@ -139,6 +151,24 @@ pub fn describe(error: &anyhow::Error) -> String {
             format!("{said}: {cause}")
         }
     })
+}
+
+/// The position asked for, or the first of the travel.
+fn position(machine: &Machine, asked: Option<f64>) -> Result<f64, UsageError> {
+    let [from, to] = machine.axis.travel;
+    let position = asked.unwrap_or(from);
+    if (from.min(to) - 1e-9..=from.max(to) + 1e-9).contains(&position) {
+        return Ok(position);
+    }
+    Err(UsageError(format!(
+        "--position: {position} m is outside the travel of axis \"{}\", {from} to {to} m",
+        machine.axis.name
+    )))
+}
+
+/// The number of modes asked for, which must be one at least.
+fn at_least_one(modes: usize) -> Result<usize, UsageError> {
+    if modes == 0 { Err(UsageError("--modes: 0 is not allowed; at least 1".into())) } else { Ok(modes) }
 }
 
 /// The machine file that a command means: the one named, or the bundled mill in a folder of its own.

@@ -17,11 +17,13 @@
 //! | `manifest.json` | [`manifest::Manifest`] | [`manifest::Manifest::write`] |
 
 pub mod atomic;
+pub mod deck;
 mod digits;
 pub mod eigenfrequencies;
 pub mod manifest;
 pub mod mat;
 pub mod mat5;
+pub mod matrix_market;
 pub mod npy;
 pub mod response;
 pub mod stream;
