@@ -35,6 +35,14 @@ impl Machine {
         Machine { lambda, rows, stiffness }
     }
 
+    /// Parts that nothing but their springs holds, stiff beside what else gives way.
+    pub fn of_floating_parts(seed: u64, springs: usize) -> Machine {
+        let mut machine = Machine::new(seed, springs);
+        machine.lambda[..6].fill(0.1);
+        machine.stiffness.iter_mut().for_each(|k| *k *= 30.0);
+        machine
+    }
+
     pub fn springs(&self) -> usize {
         self.stiffness.len()
     }
@@ -99,4 +107,3 @@ pub fn frobenius(found: &[Vec<Vec<Complex<f64>>>], exact: &[Vec<Vec<Complex<f64>
 
 /// Factor by which nominal springs are multiplied in the base that designs between 0.3 and 3 start from.
 pub const AROUND: f64 = 1.0;
-

@@ -20,7 +20,10 @@ fn scaled(machine: &Machine, mut factor: impl FnMut() -> f64) -> Design {
 }
 
 /// Evaluations of 30 designs between 0.3 and 3 times the stiffness of a slide at three positions.
-fn evaluate(slide: &Slide, backend: SpringBackend) -> (Vec<Result<Evaluation, SweepError>>, stiffmap::sweep::BackendUse) {
+fn evaluate(
+    slide: &Slide,
+    backend: SpringBackend,
+) -> (Vec<Result<Evaluation, SweepError>>, stiffmap::sweep::BackendUse) {
     let machine = &slide.machine;
     let mut numbers = Numbers(40);
     let designs: Vec<Design> =
