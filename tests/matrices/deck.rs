@@ -238,7 +238,8 @@ fn the_full_matrices_are_a_part_with_the_frequencies_of_the_machine() {
     let found: Vec<f64> = reduced.eigenvalues.iter().map(|l| l.sqrt() / TAU).collect();
     assert!(found[0] < 5.0, "{:?}", &found[..8]);
     let difference = worst(&expected[1], &found[1..]);
-    assert!(difference < 1e-5, "{difference:.1e}\n{:?}\n{:?}", expected[1], &found[..MODES]);
+    // The soft spring itself is worth 1.6e-5.
+    assert!(difference < 3e-5, "{difference:.1e}\n{:?}\n{:?}", expected[1], &found[..MODES]);
 }
 
 /// Adds 100 N/m to the last diagonal entry.
