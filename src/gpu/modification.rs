@@ -115,6 +115,9 @@ pub(super) fn not_finite(gpu: &Gpu, position: usize, frequency: usize) -> GpuErr
     GpuError::NotFinite { adapter: gpu.adapter().name.clone(), position, frequency }
 }
 
+/// Receives a tile's bytes.
+type Deliver<'a> = dyn FnMut(&SpringTile, &[u8]) -> Result<(), GpuError> + 'a;
+
 /// Designs and chunks of frequencies that a dispatch computes.
 #[derive(Clone, Debug)]
 pub(super) struct SpringTile {
@@ -261,7 +264,7 @@ impl<'a> Packed<'a> {
         kernel: Kernel,
         precision: Precision,
         real: &dyn Fn(f64) -> T,
-        deliver: &mut dyn FnMut(&SpringTile, &[u8]) -> Result<(), GpuError>,
+        deliver: &mut Deliver<'_>,
     ) -> Result<(), GpuError> {
         if self.request.pairs.is_empty() {
             return Ok(());
@@ -326,6 +329,10 @@ fn record(kernel: Kernel, precision: Precision) -> u64 {
     }
 }
 
+/// Shader text, parameters, read-only arrays, workgroups, and the unit of each pair's values in m/N.
+#[doc(hidden)]
+pub type SpringShaderInputs = (String, SpringParams, [Vec<u8>; 3], [u32; 3], Vec<f64>);
+
 /// What a device is given for a whole request in f32: as [`super::shader_inputs`], for a kernel that changes springs,
 /// and the unit of each pair's values in m/N.
 ///
@@ -336,7 +343,7 @@ pub fn spring_shader_inputs(
     gpu: &Gpu,
     request: &SpringRequest<'_>,
     kernel: Kernel,
-) -> Result<(String, SpringParams, [Vec<u8>; 3], [u32; 3], Vec<f64>), GpuError> {
+) -> Result<SpringShaderInputs, GpuError> {
     let packed = Packed::new(gpu, request)?;
     let n = request.base.frequencies.len();
     let tile =
