@@ -68,18 +68,18 @@ fn by_matrices(part: &Part, files: MatrixFiles) -> Part {
     Part { mesh: files.stiffness.clone(), matrices: Some(files), clamped: Vec::new(), ..part.clone() }
 }
 
-/// Debian's CalculiX, or what STIFFMAP_CCX names; `None` where its tests are switched off by name.
+/// Debian's CalculiX, or what STIFFMAP_CCX_BINARY names; `None` where its tests are switched off by name.
 fn calculix(deck: &Path) -> Option<()> {
-    let program = std::env::var("STIFFMAP_CCX").unwrap_or_else(|_| "ccx".into());
-    if program == "skip" {
+    if std::env::var("STIFFMAP_CCX").as_deref() == Ok("skip") {
         eprintln!("skipped: STIFFMAP_CCX=skip");
         return None;
     }
+    let program = std::env::var("STIFFMAP_CCX_BINARY").unwrap_or_else(|_| "ccx".into());
     let mut command = Command::new(&program);
     let job = deck.with_extension("");
     command.current_dir(deck.parent().expect("a folder")).arg(job.file_name().expect("a name"));
     let output = command.output().unwrap_or_else(|e| {
-        panic!("{program}: {e}; install calculix-ccx, name it by STIFFMAP_CCX, or set STIFFMAP_CCX=skip")
+        panic!("{program}: {e}; install calculix-ccx, name it by STIFFMAP_CCX_BINARY, or set STIFFMAP_CCX=skip")
     });
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(said.contains("Job finished"), "{program} {}: {said}", deck.display());

@@ -1,4 +1,6 @@
 //! Designs' springs on a device: `shaders/modification.wgsl` and `shaders/extrema.wgsl` against f64.
+//!
+//! Few sizes, none large: each is a shader of its own, and a software adapter takes 20 s to compile that of 24 springs.
 
 mod route;
 
@@ -30,7 +32,7 @@ fn on_device(gpu: &Gpu, base: &BaseReceptance, designs: &[Vec<SpringChange>]) ->
 #[test]
 fn f32_keeps_1e_4_of_the_norm_between_0_3_and_3_times_the_stiffness() {
     let Some(gpu) = device() else { return };
-    for (seed, springs) in [(1, 1), (2, 8), (4, 24)] {
+    for (seed, springs) in [(1, 1), (2, 6), (4, 12)] {
         let machine = Machine::new(seed, springs);
         let base = machine.base(&sparse_grid(), AROUND);
         let designs = machine.designs(seed + 10, 3, AROUND);
@@ -93,7 +95,7 @@ fn roundings(base: &BaseReceptance, changes: &[SpringChange], k: usize) -> Vec<f
 #[test]
 fn f32_stays_within_the_derived_bound() {
     let Some(gpu) = device() else { return };
-    let machine = Machine::new(5, 8);
+    let machine = Machine::new(5, 6);
     let base = machine.base(&sparse_grid(), AROUND);
     let mut designs = machine.designs(15, 4, AROUND);
     designs[1].iter_mut().for_each(|c| c.damping = 2e4 * c.stiffness.re / 1e8);
@@ -153,7 +155,7 @@ fn springs_that_do_not_change_and_bases_without_springs_are_served() {
 #[test]
 fn the_f64_shader_changes_springs_to_1e_11() {
     let Some(gpu) = device() else { return };
-    let machine = Machine::new(3, 14);
+    let machine = Machine::new(3, 6);
     let base = machine.base(&sparse_grid(), AROUND);
     let designs = machine.designs(13, 2, AROUND);
     let request = SpringRequest { base: &base, designs: &designs, pairs: &all_pairs(), position: 0 };
@@ -161,7 +163,7 @@ fn the_f64_shader_changes_springs_to_1e_11() {
         Err(GpuError::NoF64 { .. }) if !gpu.supports(Precision::F64) => println!("skipped: no f64 in shaders"),
         found => {
             let figure = frobenius(&found.unwrap(), &exactly(&base, &designs));
-            println!("14 springs: Frobenius {figure:.2e} in f64");
+            println!("6 springs: Frobenius {figure:.2e} in f64");
             assert!(figure <= 1e-11, "{figure:.2e}");
         }
     }
@@ -171,7 +173,7 @@ fn the_f64_shader_changes_springs_to_1e_11() {
 fn extrema_that_a_device_looks_for_are_those_of_the_whole_response() {
     let Some(gpu) = device() else { return };
     let cases =
-        [(7, 1, 40, Precision::F32), (8, 5, 12, Precision::F32), (9, 20, 6, Precision::F32), (8, 5, 4, Precision::F64)];
+        [(7, 1, 40, Precision::F32), (8, 6, 12, Precision::F32), (9, 12, 6, Precision::F32), (8, 6, 4, Precision::F64)];
     for (seed, springs, count, precision) in cases.into_iter().filter(|c| gpu.supports(c.3)) {
         let machine = Machine::new(seed, springs);
         let base = machine.base(&grid(), AROUND);
