@@ -32,7 +32,7 @@ fn main(
     let inside = in_core(group.x, lane);
     change_springs(design, group.x * CORE + lane);
     for (var pair = 0u; pair < params.n_pairs; pair++) {
-        let h = matrix[pairs[pair]];
+        let h = response(pair);
         let here = real2(h.x * h.x + h.y * h.y, -h.x);
         workgroupBarrier();
         goals[lane] = here;

@@ -12,7 +12,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         change_springs(design, group.x * CORE + lane);
         for (var pair = 0u; pair < params.n_pairs; pair++) {
             let at = (design * params.n_pairs + pair) * params.n_frequencies + group.x * CORE + lane - 1u;
-            values[at] = matrix[pairs[pair]];
+            values[at] = response(pair);
         }
     }
 }

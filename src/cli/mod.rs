@@ -1,9 +1,12 @@
 //! The command line: one file a subcommand.
 
+mod band;
 mod bench;
 mod check;
+mod converge;
 mod devices;
 mod evaluator;
+mod export;
 mod figures;
 mod frequencies;
 mod init;
@@ -34,7 +37,7 @@ use stiffmap::figures::report::ReportError;
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
 use stiffmap::interrupt::Interrupt;
-use stiffmap::machine::{MachineError, bundled_vertical_mill};
+use stiffmap::machine::{Machine, MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
 use stiffmap::sweep::{StudyError, SweepError, TableError};
@@ -63,6 +66,12 @@ enum Command {
     Figures(figures::Arguments),
     /// Open the report page of a result folder in the browser, or serve it on this machine alone
     View(view::Arguments),
+    /// Write the assembled machine at a position for another program: a CalculiX deck or matrices
+    Export(export::Arguments),
+    /// Frequencies with distributing and with rigid interfaces: how much the contacts' modelling matters
+    Band(band::Arguments),
+    /// How far the frequencies are from those of an infinitely fine mesh
+    Converge(converge::Arguments),
     /// Compute the frequencies of one CalculiX or Abaqus deck
     Modes(modes::Arguments),
     /// List the adapters that could compute a map
@@ -102,6 +111,9 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
         Command::Init(arguments) => init::init(&arguments),
         Command::Figures(arguments) => figures::figures(&arguments, interrupt),
         Command::View(arguments) => view::view(&arguments, interrupt),
+        Command::Export(arguments) => export::export(&arguments, interrupt),
+        Command::Band(arguments) => band::band(&arguments, interrupt),
+        Command::Converge(arguments) => converge::converge(&arguments, interrupt),
         Command::Modes(arguments) => modes::modes(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
@@ -150,6 +162,24 @@ pub fn describe(error: &anyhow::Error) -> String {
             format!("{said}: {cause}")
         }
     })
+}
+
+/// The position asked for, or the first of the travel.
+fn position(machine: &Machine, asked: Option<f64>) -> Result<f64, UsageError> {
+    let [from, to] = machine.axis.travel;
+    let position = asked.unwrap_or(from);
+    if (from.min(to) - 1e-9..=from.max(to) + 1e-9).contains(&position) {
+        return Ok(position);
+    }
+    Err(UsageError(format!(
+        "--position: {position} m is outside the travel of axis \"{}\", {from} to {to} m",
+        machine.axis.name
+    )))
+}
+
+/// The number of modes asked for, which must be one at least.
+fn at_least_one(modes: usize) -> Result<usize, UsageError> {
+    if modes == 0 { Err(UsageError("--modes: 0 is not allowed; at least 1".into())) } else { Ok(modes) }
 }
 
 /// The machine file that a command means: the one named, or the bundled mill in a folder of its own.

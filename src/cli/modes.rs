@@ -77,6 +77,7 @@ pub fn modes(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
 /// The deck as a part that holds nothing but what the deck holds.
 fn whole(deck: &std::path::Path) -> Part {
     Part {
+        matrices: None,
         name: deck.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         mesh: deck.to_path_buf(),
         material: None,

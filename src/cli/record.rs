@@ -24,7 +24,7 @@ pub fn input(manifest: &mut Manifest, machine: &Machine) -> Result<()> {
         Ok(())
     };
     add(&machine.file)?;
-    machine.parts.iter().try_for_each(|part| add(&part.mesh))
+    machine.parts.iter().flat_map(|part| part.files()).try_for_each(add)
 }
 
 /// Sizes before and after each step.

@@ -51,9 +51,12 @@ impl Look<'_> {
         Ok(Database::new(&input)?)
     }
 
-    /// Mode shapes at the first, the middle and the last position (`.vtu`); returns the files.
+    /// Mode shapes at the first, the middle and the last position (`.vtu`), if a part has a surface; returns the files.
     pub fn write_shapes(&self, outcome: &Outcome) -> Result<Vec<PathBuf>> {
         let mut files = Vec::new();
+        if self.superelements.iter().all(|s| s.skin.nodes.is_empty()) {
+            return Ok(files);
+        }
         let analysis = &outcome.machine.analysis;
         for modes in ends_and_middle(&outcome.solved.modes) {
             let again;

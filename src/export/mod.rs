@@ -19,11 +19,13 @@
 
 pub mod atomic;
 pub(crate) mod base64;
+pub mod deck;
 mod digits;
 pub mod eigenfrequencies;
 pub mod manifest;
 pub mod mat;
 pub mod mat5;
+pub mod matrix_market;
 pub mod npy;
 pub mod response;
 pub mod stream;

@@ -19,6 +19,8 @@ use super::{Gpu, GpuError};
 const TILE_BYTES: u64 = 32 << 20;
 /// Complex products of a tile at most: a fraction of a second on a small device, whose driver ends longer work.
 const TILE_PRODUCTS: u64 = 4_000_000_000;
+/// The same where the processor itself is the device.
+const SOFTWARE_TILE_PRODUCTS: u64 = 20_000_000;
 /// Relative Frobenius difference that f32 may have from f64: see [`modified`].
 const BOUND: f64 = 1e-4;
 
@@ -66,7 +68,7 @@ pub fn check_rows(springs: usize, ports: usize) -> Result<(), GpuError> {
 /// |dH| <= (r + 16) u |T| G |T|^T
 /// ```
 ///
-/// since each term passes some 16 roundings (the entry's own, two complex products, the gain's inverse) and at most r
+/// since each term passes some 16 roundings (the entry's own, two complex products, the gain) and at most r
 /// subtractions, and what is wrong with A comes through T on both sides. T is about 1 where design and base resonate
 /// apart, so the base has to be the machine that the designs surround: between 0.3 and 3 times its stiffness at 2 %
 /// structural damping the tests hold 1e-4 of the Frobenius norm over the ports at every frequency. f64 holds 1e-11.
@@ -112,6 +114,9 @@ fn values<T: Pod + Into<f64>>(
 pub(super) fn not_finite(gpu: &Gpu, position: usize, frequency: usize) -> GpuError {
     GpuError::NotFinite { adapter: gpu.adapter().name.clone(), position, frequency }
 }
+
+/// Receives a tile's bytes.
+type Deliver<'a> = dyn FnMut(&SpringTile, &[u8]) -> Result<(), GpuError> + 'a;
 
 /// Designs and chunks of frequencies that a dispatch computes.
 #[derive(Clone, Debug)]
@@ -196,8 +201,11 @@ impl<'a> Packed<'a> {
 
     fn pairs(&self) -> Vec<u32> {
         let springs = self.request.base.n_springs;
-        let place = |&(a, b): &(usize, usize)| entry(springs + a.max(b), springs + a.min(b)) as u32;
-        self.request.pairs.iter().map(place).collect()
+        let places = |&(a, b): &(usize, usize)| {
+            let (row, column) = (springs + a.max(b), springs + a.min(b));
+            [entry(row, column), entry(row, 0), entry(column, 0)].map(|place| place as u32)
+        };
+        self.request.pairs.iter().flat_map(places).collect()
     }
 
     fn params(&self, tile: &SpringTile) -> SpringParams {
@@ -228,6 +236,7 @@ impl<'a> Packed<'a> {
             let adapter = gpu.adapter().name.clone();
             return Err(GpuError::TooLarge { adapter, what: "a chunk of frequencies", needed, allowed });
         }
+        let patience = if gpu.adapter().is_software() { SOFTWARE_TILE_PRODUCTS } else { TILE_PRODUCTS };
         let all_chunks = n.div_ceil(CORE as usize);
         let mut tiles = Vec::new();
         for first in (0..all_chunks).step_by(most_chunks) {
@@ -237,7 +246,7 @@ impl<'a> Packed<'a> {
                 chunks.len() as u64 * u64::from(WORKGROUP) * (base.n_springs as u64 * rows * rows / 2 + rows);
             let changes = 4 * precision.bytes() * base.n_springs.max(1) as u64;
             let most = (room / (per_chunk * chunks.len() as u64))
-                .min(TILE_PRODUCTS / products)
+                .min(patience / products)
                 .min(gpu.max_binding() / changes)
                 .clamp(1, gpu.max_workgroups() as u64) as usize;
             for design in (0..self.request.designs.len()).step_by(most) {
@@ -255,7 +264,7 @@ impl<'a> Packed<'a> {
         kernel: Kernel,
         precision: Precision,
         real: &dyn Fn(f64) -> T,
-        deliver: &mut dyn FnMut(&SpringTile, &[u8]) -> Result<(), GpuError>,
+        deliver: &mut Deliver<'_>,
     ) -> Result<(), GpuError> {
         if self.request.pairs.is_empty() {
             return Ok(());
@@ -320,6 +329,10 @@ fn record(kernel: Kernel, precision: Precision) -> u64 {
     }
 }
 
+/// Shader text, parameters, read-only arrays, workgroups, and the unit of each pair's values in m/N.
+#[doc(hidden)]
+pub type SpringShaderInputs = (String, SpringParams, [Vec<u8>; 3], [u32; 3], Vec<f64>);
+
 /// What a device is given for a whole request in f32: as [`super::shader_inputs`], for a kernel that changes springs,
 /// and the unit of each pair's values in m/N.
 ///
@@ -330,7 +343,7 @@ pub fn spring_shader_inputs(
     gpu: &Gpu,
     request: &SpringRequest<'_>,
     kernel: Kernel,
-) -> Result<(String, SpringParams, [Vec<u8>; 3], [u32; 3], Vec<f64>), GpuError> {
+) -> Result<SpringShaderInputs, GpuError> {
     let packed = Packed::new(gpu, request)?;
     let n = request.base.frequencies.len();
     let tile =

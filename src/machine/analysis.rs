@@ -1,8 +1,8 @@
 //! What to compute: reduction, modes, frequencies, quantity, damping.
 
+use super::analysis_model::{Analysis, ComponentAnalysis, Damping, Quantity, ReductionMethod};
 use super::error::MachineError;
 use super::frequencies::read_frequencies;
-use super::model::{Analysis, ComponentAnalysis, Damping, Quantity, ReductionMethod};
 use super::parts::read_loss_factor;
 use super::quantity::Dimension;
 use super::table::{Bound, Item, Table};

@@ -1,7 +1,7 @@
 //! The frequency grid of `[analysis]`: a list, or a table whose `grid` says how the frequencies are laid.
 
+use super::analysis_model::Grid;
 use super::error::MachineError;
-use super::model::Grid;
 use super::quantity::Dimension;
 use super::table::{Bound, Item, Table};
 

@@ -1,5 +1,7 @@
 //! The types of a machine, in SI units.
 
+use super::analysis_model::Analysis;
+use super::matrices::MatrixFiles;
 use std::path::PathBuf;
 
 /// A machine: parts, the joints between them, the axis that moves some of them, and what to analyse.
@@ -38,6 +40,9 @@ pub struct Part {
     pub loss_factor: Option<f64>,
     /// Length, mass and time unit of the mesh file, as factors to m, kg, s.
     pub mesh_units: MeshUnits,
+    /// Stiffness and mass as another program wrote them, in place of the mesh's elements; `mesh` is then
+    /// the stiffness file unless the part names a mesh for its nodes and surfaces.
+    pub matrices: Option<MatrixFiles>,
     /// Node sets of which single displacements are fixed to ground.
     pub supported: Vec<Support>,
     /// Whether C3D8 elements stay plain; otherwise they get incompatible modes (C3D8I).
@@ -72,6 +77,20 @@ impl Placement {
     pub fn apply(&self, x: [f64; 3]) -> [f64; 3] {
         let r = &self.rotation;
         std::array::from_fn(|i| self.origin[i] + r[i][0] * x[0] + r[i][1] * x[1] + r[i][2] * x[2])
+    }
+}
+
+impl Part {
+    /// Every file that the part is made from.
+    pub fn files(&self) -> Vec<&std::path::Path> {
+        let mut files = vec![self.mesh.as_path()];
+        if let Some(given) = &self.matrices {
+            let optional = [&given.dofs, &given.nodes, &given.sets];
+            let own = [&given.stiffness, &given.mass].into_iter().chain(optional.into_iter().flatten());
+            files.extend(own.map(PathBuf::as_path).filter(|f| *f != self.mesh));
+            files.dedup();
+        }
+        files
     }
 }
 
@@ -313,123 +332,4 @@ pub struct Port {
     pub input: bool,
     /// Whether motion is read here.
     pub output: bool,
-}
-
-/// What to compute.
-#[derive(Clone, Debug)]
-pub struct Analysis {
-    /// Reduction of the parts.
-    pub component: ComponentAnalysis,
-    /// Modes in the state space of each position (free modes at 0 Hz included).
-    pub modes: usize,
-    /// Frequencies of the map, Hz, ascending; of a clustered grid its background alone, until the modes are known.
-    pub frequencies: Vec<f64>,
-    /// How the frequencies are laid.
-    pub grid: Grid,
-    /// What the map holds.
-    pub quantity: Quantity,
-    /// Damping of the coupled modes.
-    pub damping: Damping,
-}
-
-/// How the frequencies of a map are laid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Grid {
-    /// Equal steps.
-    #[default]
-    Uniform,
-    /// Equal ratios.
-    Logarithmic,
-    /// A uniform background, and frequencies around every mode at every position.
-    Clustered {
-        /// Frequencies a mode.
-        points: usize,
-    },
-    /// One by one.
-    Listed,
-}
-
-impl Grid {
-    /// Name, as in the machine file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Grid::Uniform => "uniform",
-            Grid::Logarithmic => "logarithmic",
-            Grid::Clustered { .. } => "clustered",
-            Grid::Listed => "listed",
-        }
-    }
-}
-
-/// What a map holds: displacement, velocity or acceleration over force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Quantity {
-    /// Displacement over force, m/N.
-    #[default]
-    Receptance,
-    /// Velocity over force, m/(s N).
-    Mobility,
-    /// Acceleration over force, m/(s^2 N).
-    Accelerance,
-}
-
-impl Quantity {
-    /// Every quantity.
-    pub const ALL: [Quantity; 3] = [Quantity::Receptance, Quantity::Mobility, Quantity::Accelerance];
-
-    /// The power of j omega that the receptance is multiplied by.
-    pub fn power(self) -> u32 {
-        match self {
-            Quantity::Receptance => 0,
-            Quantity::Mobility => 1,
-            Quantity::Accelerance => 2,
-        }
-    }
-
-    /// Name, as in the machine file.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Quantity::Receptance => "receptance",
-            Quantity::Mobility => "mobility",
-            Quantity::Accelerance => "accelerance",
-        }
-    }
-
-    /// The quantity of a name.
-    pub fn named(name: &str) -> Option<Quantity> {
-        Quantity::ALL.into_iter().find(|q| q.name() == name)
-    }
-}
-
-/// Reduction of the parts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ComponentAnalysis {
-    /// Component modes a part, at most.
-    pub modes: usize,
-    /// Component modes above this frequency (Hz) are not kept; infinite for no bound.
-    pub band: f64,
-    /// Reduction method.
-    pub method: ReductionMethod,
-    /// Whether K^-1 M K^-1 B is added to K^-1 B.
-    pub second_moment: bool,
-}
-
-/// Component mode synthesis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ReductionMethod {
-    /// Constraint modes and fixed-interface modes.
-    CraigBampton,
-    /// Free-interface modes and attachment modes.
-    FreeInterface,
-}
-
-/// Damping of the coupled modes; joint dampers and loss factors of parts and joints come on top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Damping {
-    /// Viscous ratios: one for all modes, or one a mode (the last is kept for those beyond the list).
-    pub ratios: Vec<f64>,
-    /// Rayleigh damping C = alpha M + beta K: (alpha in 1/s, beta in s).
-    pub rayleigh: Option<[f64; 2]>,
-    /// Structural loss factor of the whole machine.
-    pub loss_factor: f64,
 }

@@ -21,6 +21,9 @@ impl fmt::Display for Spot {
 /// Why a mesh file is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
+    /// A part's matrices are not usable.
+    #[error(transparent)]
+    Matrix(#[from] crate::matrix::MatrixError),
     /// The file is missing or may not be read.
     #[error("{}: cannot read the mesh file: {source}; correct the name or the permissions", file.display())]
     Unreadable {

@@ -14,6 +14,7 @@ pub use error::{MeshError, Spot};
 pub use inp::{included_files, read_inp};
 
 use crate::machine::{Material, MeshUnits, Part, Placement, nearest};
+use crate::matrix::{Geometry, GivenMatrices, MatrixPart, read_part_matrices};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -53,16 +54,34 @@ fn read_format(path: &Path, units: MeshUnits, plain_bricks: bool) -> Result<Mesh
     }
 }
 
-/// The mesh of a part: in its units, with its bricks, where it stands in the machine.
+/// The mesh of a part: in its units, with its bricks, where it stands in the machine; or its matrices
+/// with its nodes.
 ///
 /// # Errors
-/// As [`read_mesh_file`], and [`MeshError::TurnedSupport`] where the file holds single displacements along
-/// axes that the machine's are not parallel to.
+/// As [`read_mesh_file`]; [`MeshError::TurnedSupport`] where the file holds single displacements along axes
+/// that the machine's are not parallel to; [`MeshError::Matrix`] for a part given by matrices.
 pub fn read_part_mesh(part: &Part) -> Result<MeshFile, MeshError> {
-    let mut file = read_format(&part.mesh, part.mesh_units, part.plain_bricks)?;
+    let with_mesh = part.matrices.as_ref().is_none_or(|files| files.with_mesh);
+    let mut file = if with_mesh {
+        read_format(&part.mesh, part.mesh_units, part.plain_bricks)?
+    } else {
+        MeshFile { mesh: Mesh::default(), warnings: Vec::new() }
+    };
     if !file.mesh.supports.is_empty() {
         let text = format!("*BOUNDARY of the file holds {} nodes", file.mesh.supports.len());
         file.warnings.insert(0, Warning { line: 0, text });
+    }
+    if let Some(files) = &part.matrices {
+        let mesh = &mut file.mesh;
+        let geometry = with_mesh.then(|| Geometry {
+            nodes: std::mem::take(&mut mesh.nodes),
+            labels: std::mem::take(&mut mesh.node_labels),
+            sets: std::mem::take(&mut mesh.node_sets),
+        });
+        let MatrixPart { geometry, matrices, warnings } = read_part_matrices(part, files, geometry)?;
+        (mesh.nodes, mesh.node_labels, mesh.node_sets) = (geometry.nodes, geometry.labels, geometry.sets);
+        mesh.matrices = Some(Box::new(matrices));
+        file.warnings.extend(warnings.into_iter().map(|text| Warning { line: 0, text }));
     }
     place(&mut file.mesh, &part.placement, &part.mesh)?;
     Ok(file)
@@ -119,6 +138,8 @@ pub struct Mesh {
     pub supports: BTreeMap<usize, [bool; 3]>,
     /// Materials of the file.
     pub materials: Vec<Material>,
+    /// Stiffness and mass in place of what the cells would give.
+    pub matrices: Option<Box<GivenMatrices>>,
 }
 
 impl Mesh {

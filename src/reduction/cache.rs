@@ -75,8 +75,6 @@ impl Cache {
     /// [`CacheError::Io`] if the mesh cannot be read.
     pub fn file(&self, request: &ReductionRequest) -> Result<PathBuf, CacheError> {
         let part = &request.part;
-        let mesh = std::fs::read(&part.mesh)
-            .map_err(|source| CacheError::Io { file: part.mesh.display().to_string(), source })?;
         let mut hasher = blake3::Hasher::new();
         hasher.update(&VERSION.to_le_bytes());
         let described = (
@@ -84,16 +82,25 @@ impl Cache {
             &part.material,
             (&part.clamped, &part.supported, &part.interfaces),
             (part.mesh_units, part.plain_bricks, part.placement),
+            part.matrices.as_ref().map(|m| {
+                let files = [&m.dofs, &m.nodes, &m.sets].map(Option::is_some);
+                (&m.stiffness_name, &m.mass_name, m.free, m.with_mesh, &m.interfaces, files)
+            }),
             request.component,
             &request.rails,
         );
         hasher.update(format!("{described:?}").as_bytes());
-        hasher.update(part.mesh.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default().as_bytes());
-        hasher.update(&mesh);
-        for included in included_files(&mesh, &part.mesh) {
-            let content = std::fs::read(&included)
-                .map_err(|source| CacheError::Io { file: included.display().to_string(), source })?;
+        for file in part.files() {
+            let content =
+                std::fs::read(file).map_err(|source| CacheError::Io { file: file.display().to_string(), source })?;
+            hasher.update(file.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default().as_bytes());
+            hasher.update(&(content.len() as u64).to_le_bytes());
             hasher.update(&content);
+            for included in included_files(&content, file) {
+                let content = std::fs::read(&included)
+                    .map_err(|source| CacheError::Io { file: included.display().to_string(), source })?;
+                hasher.update(&content);
+            }
         }
         Ok(self.folder.join(format!("{}.superelement", &hasher.finalize().to_hex()[..32])))
     }

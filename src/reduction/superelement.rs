@@ -219,7 +219,13 @@ pub fn reduce(
         ReductionMethod::CraigBampton => craig_bampton::vectors,
         ReductionMethod::FreeInterface => free_interface::vectors,
     };
-    let (component_frequencies, blocks) = method(&part.name, &system, &ordering, &flexibility, &motions, modes)?;
+    // Given matrices may be a superelement already: what a reduction would not make smaller is kept whole.
+    let whole = mesh.matrices.is_some() && system.n_dof() <= modes.modes + 2 * motions.ncols();
+    let (component_frequencies, blocks) = if whole {
+        (Vec::new(), vec![flexibility.apply(&motions), DMatrix::identity(system.n_dof(), system.n_dof())])
+    } else {
+        method(&part.name, &system, &ordering, &flexibility, &motions, modes)?
+    };
     let (eigenvalues, vectors) = rayleigh_ritz(&part.name, &system, &flexibility.rigid, blocks)?;
 
     let interfaces = system

@@ -32,17 +32,41 @@ pub struct SecondOrder {
     /// Node coordinates, m.
     pub nodes: Vec<[f64; 3]>,
     /// Unknowns of each node: for each of its three displacements, (unknown, factor) pairs.
-    node_unknowns: Vec<NodeMap>,
+    pub(super) node_unknowns: Vec<NodeMap>,
     /// Unknowns grouped for the fill-reducing order.
-    groups: Vec<Vec<usize>>,
+    pub(super) groups: Vec<Vec<usize>>,
     /// The groups that each group touches.
-    neighbours: Vec<Vec<usize>>,
+    pub(super) neighbours: Vec<Vec<usize>>,
 }
 
 impl SecondOrder {
     /// Unknowns.
     pub fn n_dof(&self) -> usize {
         self.stiffness.n()
+    }
+
+    /// The unknowns, with factors, that a node's displacement along axis 0, 1 or 2 follows from.
+    pub fn unknowns_of(&self, node: usize, axis: usize) -> Vec<(usize, f64)> {
+        let mut out = Vec::new();
+        self.node_unknowns[node].each(|unknown, component, factor| {
+            if component == axis && factor != 0.0 {
+                out.push((unknown, factor));
+            }
+        });
+        out
+    }
+
+    /// What each unknown is: a node and its direction (0 to 2 translations, 3 to 5 rotations); `None` for
+    /// a modal coordinate or a rigid surface's motion.
+    pub fn node_of_unknown(&self) -> Vec<Option<(usize, usize)>> {
+        let mut out = vec![None; self.n_dof()];
+        for (i, map) in self.node_unknowns.iter().enumerate() {
+            if let NodeMap::Free(_) | NodeMap::Held(..) | NodeMap::Single(_) = map {
+                let (node, turn) = (i % self.nodes.len(), 3 * (i / self.nodes.len()));
+                map.each(|unknown, component, _| out[unknown] = Some((node, component + turn)));
+            }
+        }
+        out
     }
 
     /// A fill-reducing order of the unknowns.
@@ -83,12 +107,16 @@ impl SecondOrder {
 /// Assembles a part.
 ///
 /// Clamped nodes and held displacements are removed; the nodes of rigid interfaces follow six unknowns
-/// each.
+/// each. A part given by matrices takes those.
 ///
 /// # Errors
 /// [`SolidError`] for inverted elements, missing materials, unknown sets, surfaces without a face,
-/// meshes in pieces, clamps on a line, overlapping rigid surfaces.
+/// meshes in pieces, clamps on a line, overlapping rigid surfaces; given matrices that are indefinite, in
+/// pieces, held in part, or without the rows that an interface reads.
 pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
+    if let Some(given) = &mesh.matrices {
+        return super::given::assemble(part, mesh, given);
+    }
     let name = &part.name;
     one_piece(name, mesh)?;
     let held = held(part, mesh)?;
@@ -180,7 +208,7 @@ fn pattern(mesh: &Mesh, nodes: &[NodeMap], n_dof: usize) -> Vec<Vec<usize>> {
 }
 
 /// The groups that each group of unknowns touches, without itself.
-fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<usize>> {
+pub(super) fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let mut group_of = vec![0; pattern.len()];
     for (g, unknowns) in groups.iter().enumerate() {
         for &u in unknowns {
@@ -188,7 +216,8 @@ fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<us
         }
     }
     let touched = |(g, unknowns): (usize, &Vec<usize>)| {
-        let mut touched: Vec<usize> = pattern[unknowns[0]].iter().map(|&u| group_of[u]).filter(|&h| h != g).collect();
+        let columns = unknowns.iter().flat_map(|&u| &pattern[u]);
+        let mut touched: Vec<usize> = columns.map(|&u| group_of[u]).filter(|&h| h != g).collect();
         touched.sort_unstable();
         touched.dedup();
         touched

@@ -17,6 +17,11 @@ impl Held {
         self.0.get(&node).copied().unwrap_or_default()
     }
 
+    /// Every node with held displacements, and which.
+    pub fn nodes(&self) -> impl Iterator<Item = (usize, [bool; 3])> + '_ {
+        self.0.iter().map(|(node, directions)| (*node, *directions))
+    }
+
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -67,10 +72,20 @@ pub(super) fn held(part: &Part, mesh: &Mesh) -> Result<Held, SolidError> {
         nodes.iter().for_each(|&node| held.add(node, support.directions));
     }
     mesh.supports.iter().for_each(|(&node, directions)| held.add(node, *directions));
-    if part.supported.is_empty() && mesh.supports.is_empty() && on_one_line(&clamped) {
+    // Nodes of given matrices may have rotations; whether those hold the part is seen in the stiffness.
+    let plain = part.supported.is_empty() && mesh.supports.is_empty() && mesh.matrices.is_none();
+    if plain && on_one_line(&clamped) {
         return Err(SolidError::ClampOnLine { part: part.name.clone() });
     }
     Ok(held)
+}
+
+/// The nodes of a part whose displacements along x, y or z are held to ground, and which of them.
+///
+/// # Errors
+/// [`SolidError::UnknownSet`], [`SolidError::EmptySupport`], [`SolidError::ClampOnLine`].
+pub fn held_displacements(part: &Part, mesh: &Mesh) -> Result<Vec<(usize, [bool; 3])>, SolidError> {
+    Ok(held(part, mesh)?.nodes().collect())
 }
 
 fn on_one_line(points: &[Vector3<f64>]) -> bool {

@@ -1,8 +1,9 @@
 //! Which unknowns a node's displacement follows from: its own, a rigid surface's, or none.
 
 use super::held::Held;
-use super::{InterfaceMotion, SolidError, Surface};
+use super::{InterfaceMotion, NodeRows, SolidError, Surface};
 use crate::machine::{Interface, Part, SurfaceCoupling};
+use crate::matrix::{DofLabel, GivenNodes};
 use crate::mesh::Mesh;
 use nalgebra::{DMatrix, Vector3};
 
@@ -13,6 +14,10 @@ pub(super) enum NodeMap {
     Fixed,
     /// Its own three unknowns, the first of which is this.
     Free(usize),
+    /// An unknown of its own for some components.
+    Single([Option<usize>; 3]),
+    /// The rotation of a rigid surface whose six unknowns start here.
+    RigidTurn(usize),
     /// Unknowns from this one on for those of its displacements that are not held.
     Held(usize, [bool; 3]),
     /// u = t + theta x arm of the six unknowns from this one on.
@@ -25,6 +30,10 @@ impl NodeMap {
         match self {
             NodeMap::Fixed => {}
             NodeMap::Free(first) => (0..3).for_each(|c| f(first + c, c, 1.0)),
+            NodeMap::Single(own) => {
+                own.iter().enumerate().filter_map(|(c, u)| Some((c, (*u)?))).for_each(|(c, u)| f(u, c, 1.0));
+            }
+            NodeMap::RigidTurn(first) => (0..3).for_each(|c| f(first + 3 + c, c, 1.0)),
             NodeMap::Held(first, held) => {
                 (0..3).filter(|&c| !held[c]).enumerate().for_each(|(k, c)| f(first + k, c, 1.0));
             }
@@ -40,9 +49,10 @@ impl NodeMap {
         }
     }
 
-    /// The unknowns, without their factors.
+    /// The unknowns of a mesh's node, without their factors.
     pub fn unknowns(&self) -> std::ops::Range<usize> {
         match self {
+            NodeMap::Single(_) | NodeMap::RigidTurn(_) => unreachable!("only rows of given matrices are numbered so"),
             NodeMap::Fixed => 0..0,
             NodeMap::Free(first) => *first..first + 3,
             NodeMap::Held(first, held) => *first..first + held.iter().filter(|h| !**h).count(),
@@ -111,17 +121,19 @@ pub(super) fn number(
     Ok(Numbering { nodes, groups, n_dof })
 }
 
-/// The nodes of an interface's surface that lie inside its region.
-fn rigid_nodes(interface: &Interface, motion: &InterfaceMotion, mesh: &Mesh) -> Vec<usize> {
-    let inside = |node: &usize| {
-        interface.within.is_none_or(|region| {
-            (0..3).all(|c| {
-                let slack = 1e-9 * (1.0 + mesh.nodes[*node][c].abs());
-                (region.min[c] - slack..=region.max[c] + slack).contains(&mesh.nodes[*node][c])
-            })
+/// The nodes of an interface's surface that lie inside its region: those that a rigid one carries.
+pub fn rigid_nodes(interface: &Interface, motion: &InterfaceMotion, mesh: &Mesh) -> Vec<usize> {
+    motion.rows.nodes.iter().copied().filter(|node| is_inside(interface, mesh, *node)).collect()
+}
+
+/// Whether a node lies inside an interface's region.
+fn is_inside(interface: &Interface, mesh: &Mesh, node: usize) -> bool {
+    interface.within.is_none_or(|region| {
+        (0..3).all(|c| {
+            let slack = 1e-9 * (1.0 + mesh.nodes[node][c].abs());
+            (region.min[c] - slack..=region.max[c] + slack).contains(&mesh.nodes[node][c])
         })
-    };
-    motion.rows.nodes.iter().copied().filter(inside).collect()
+    })
 }
 
 /// A part's node set by name.
@@ -141,7 +153,12 @@ pub(super) fn find_set<'m>(part: &Part, mesh: &'m Mesh, set: &str, user: &str) -
 /// # Errors
 /// [`SolidError::UnknownSet`] or [`SolidError::NoSurface`], with what the mesh has instead.
 pub fn interface_motions(part: &Part, mesh: &Mesh) -> Result<Vec<(Surface, InterfaceMotion)>, SolidError> {
-    part.interfaces.iter().map(|interface| interface_motion(part, mesh, interface)).collect()
+    let one = |(i, interface): (usize, &Interface)| match mesh.matrices.as_ref().and_then(|m| m.interfaces.get(i)) {
+        None | Some(GivenNodes::Faces) => interface_motion(part, mesh, interface),
+        Some(GivenNodes::Weighted(weights)) => weighted_motion(part, mesh, interface, weights),
+        Some(GivenNodes::Point(node)) => Ok((Surface::default(), point_motion(mesh, *node))),
+    };
+    part.interfaces.iter().enumerate().map(one).collect()
 }
 
 fn interface_motion(part: &Part, mesh: &Mesh, interface: &Interface) -> Result<(Surface, InterfaceMotion), SolidError> {
@@ -172,6 +189,38 @@ fn interface_motion(part: &Part, mesh: &Mesh, interface: &Interface) -> Result<(
         ))
     })?;
     Ok((surface, motion))
+}
+
+/// The motion of weighted nodes inside an interface's region.
+fn weighted_motion(
+    part: &Part,
+    mesh: &Mesh,
+    interface: &Interface,
+    weights: &[(usize, f64)],
+) -> Result<(Surface, InterfaceMotion), SolidError> {
+    let inside = |(node, _): &&(usize, f64)| is_inside(interface, mesh, *node);
+    let kept: Vec<(usize, f64)> = weights.iter().filter(inside).copied().collect();
+    let motion = InterfaceMotion::from_weights(&kept, |n| mesh.nodes[n]).ok_or_else(|| SolidError::NoSurface {
+        part: part.name.clone(),
+        interface: interface.name.clone(),
+        reason: format!(
+            "{} of its {} nodes are inside `within`, and they do not fix a rigid motion; it takes three that are not on one line, with weights of a positive sum",
+            kept.len(),
+            weights.len()
+        ),
+    })?;
+    Ok((Surface::default(), motion))
+}
+
+/// The motion of one node: its translations, and its rotations where the matrices have rows for them.
+fn point_motion(mesh: &Mesh, node: usize) -> InterfaceMotion {
+    let turns = mesh.matrices.as_ref().is_some_and(|given| {
+        let own = given.labels.iter().zip(&given.node_of).filter(|(_, n)| **n == Some(node));
+        own.filter(|(label, _)| matches!(label, DofLabel::Node { direction: 3.., .. })).count() == 3
+    });
+    let nodes = if turns { vec![node, mesh.nodes.len() + node] } else { vec![node] };
+    let rows = DMatrix::identity(6, 3 * nodes.len());
+    InterfaceMotion { centroid: mesh.nodes[node], area: 0.0, rows: NodeRows { nodes, rows } }
 }
 
 /// Rigid motions over the unknowns about a point, n x 6.

@@ -60,7 +60,7 @@ fn init_writes_the_mill_once() {
     let again = init();
     assert_eq!(again.status.code(), Some(2));
     let said = stderr(&again);
-    assert!(said.contains(".inp exists") && said.contains("choose an empty folder"), "{said}");
+    assert!(said.contains(" exists; ") && said.contains("choose an empty folder"), "{said}");
     assert_eq!(std::fs::read_to_string(mill.join("magazine.inp")).unwrap(), "mine");
     assert!(!mill.join("machine.toml").exists());
 }

@@ -35,6 +35,14 @@ impl Machine {
         Machine { lambda, rows, stiffness }
     }
 
+    /// Parts that nothing but their springs holds, stiff beside what else gives way.
+    pub fn of_floating_parts(seed: u64, springs: usize) -> Machine {
+        let mut machine = Machine::new(seed, springs);
+        machine.lambda[..6].fill(0.1);
+        machine.stiffness.iter_mut().for_each(|k| *k *= 30.0);
+        machine
+    }
+
     pub fn springs(&self) -> usize {
         self.stiffness.len()
     }

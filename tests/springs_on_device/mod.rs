@@ -1,4 +1,6 @@
 //! Designs' springs on a device: `shaders/modification.wgsl` and `shaders/extrema.wgsl` against f64.
+//!
+//! Few sizes, none large: each is a shader of its own, and a software adapter takes 20 s to compile that of 24 springs.
 
 mod route;
 
@@ -12,6 +14,13 @@ use stiffmap::gpu::extrema::{extrema, places};
 use stiffmap::gpu::modification::{SpringRequest, check, modified};
 use stiffmap::gpu::{Gpu, GpuError, Precision};
 
+const NO_CHANGE: SpringChange = SpringChange { stiffness: Complex::new(0.0, 0.0), damping: 0.0 };
+
+/// Every third frequency of the grid.
+fn sparse_grid() -> Vec<f64> {
+    grid().into_iter().step_by(3).collect()
+}
+
 fn exactly(base: &BaseReceptance, designs: &[Vec<SpringChange>]) -> Vec<Vec<Vec<Complex<f64>>>> {
     designs.iter().map(|d| base.modified(d, &all_pairs(), &mut Work::default())).collect()
 }
@@ -23,33 +32,35 @@ fn on_device(gpu: &Gpu, base: &BaseReceptance, designs: &[Vec<SpringChange>]) ->
 #[test]
 fn f32_keeps_1e_4_of_the_norm_between_0_3_and_3_times_the_stiffness() {
     let Some(gpu) = device() else { return };
-    for (seed, springs) in [(1, 1), (2, 8), (3, 21), (4, 24)] {
+    for (seed, springs) in [(1, 1), (2, 6), (4, 12)] {
         let machine = Machine::new(seed, springs);
-        let base = machine.base(&grid(), AROUND);
-        let designs = machine.designs(seed + 10, 8, AROUND);
+        let base = machine.base(&sparse_grid(), AROUND);
+        let designs = machine.designs(seed + 10, 3, AROUND);
         let exact = exactly(&base, &designs);
         let figure = frobenius(&on_device(&gpu, &base, &designs), &exact);
         println!("{springs} springs: Frobenius {figure:.2e} in f32");
         assert!(figure <= 1e-4, "{springs} springs: {figure:.2e}");
         // Control: a spring that is forgotten.
-        let forgotten: Vec<_> = designs
-            .iter()
-            .map(|d| [&d[..springs - 1], &[SpringChange { stiffness: Complex::default(), damping: 0.0 }]].concat())
-            .collect();
-        let figure = frobenius(&on_device(&gpu, &base, &forgotten), &exact);
+        let mut forgotten = designs[..1].to_vec();
+        forgotten[0][springs - 1] = NO_CHANGE;
+        let figure = frobenius(&on_device(&gpu, &base, &forgotten), &exact[..1]);
         assert!(figure > 1e-2, "control: {figure:.2e}");
     }
 }
 
 #[test]
-fn a_base_of_uncoupled_parts_breaks_the_bound() {
+fn a_base_of_uncoupled_parts_loses_ten_times_as_much() {
     let Some(gpu) = device() else { return };
-    let machine = Machine::new(3, 21);
-    let base = machine.base(&grid(), 1e-6);
-    let designs = machine.designs(13, 4, 1e-6);
-    let figure = frobenius(&on_device(&gpu, &base, &designs), &exactly(&base, &designs));
-    println!("from uncoupled parts: Frobenius {figure:.2e} in f32");
-    assert!(figure > 1e-4, "{figure:.2e}");
+    let machine = Machine::of_floating_parts(3, 12);
+    let figure = |from: f64| {
+        let base = machine.base(&sparse_grid(), from);
+        let designs = machine.designs(13, 4, from);
+        frobenius(&on_device(&gpu, &base, &designs), &exactly(&base, &designs))
+    };
+    let (coupled, uncoupled) = (figure(AROUND), figure(1e-6));
+    println!("12 springs of floating parts: Frobenius {coupled:.2e} in f32, from uncoupled parts {uncoupled:.2e}");
+    assert!(coupled <= 1e-4, "{coupled:.2e}");
+    assert!(uncoupled > 10.0 * coupled, "{coupled:.2e} {uncoupled:.2e}");
 }
 
 /// u |T| G |T|^T of each pair: what an error of one rounding in every term comes to.
@@ -84,8 +95,8 @@ fn roundings(base: &BaseReceptance, changes: &[SpringChange], k: usize) -> Vec<f
 #[test]
 fn f32_stays_within_the_derived_bound() {
     let Some(gpu) = device() else { return };
-    let machine = Machine::new(5, 8);
-    let base = machine.base(&grid(), AROUND);
+    let machine = Machine::new(5, 6);
+    let base = machine.base(&sparse_grid(), AROUND);
     let mut designs = machine.designs(15, 4, AROUND);
     designs[1].iter_mut().for_each(|c| c.damping = 2e4 * c.stiffness.re / 1e8);
     let exact = exactly(&base, &designs);
@@ -121,12 +132,11 @@ fn f32_stays_within_the_derived_bound() {
 fn springs_that_do_not_change_and_bases_without_springs_are_served() {
     let Some(gpu) = device() else { return };
     let machine = Machine::new(6, 6);
-    let base = machine.base(&grid(), AROUND);
+    let base = machine.base(&sparse_grid(), AROUND);
     let mut designs = machine.designs(16, 3, AROUND);
-    let none = SpringChange { stiffness: Complex::default(), damping: 0.0 };
-    designs[0].fill(none);
-    designs[1][0] = none;
-    designs[1][4] = none;
+    designs[0].fill(NO_CHANGE);
+    designs[1][0] = NO_CHANGE;
+    designs[1][4] = NO_CHANGE;
     let found = on_device(&gpu, &base, &designs);
     assert!(frobenius(&found, &exactly(&base, &designs)) <= 1e-4);
     let bare = (0..base.frequencies.len()).map(|k| base.at(k));
@@ -137,7 +147,7 @@ fn springs_that_do_not_change_and_bases_without_springs_are_served() {
         }
     }
     let unsprung = Machine::new(6, 0);
-    let base = unsprung.base(&grid(), AROUND);
+    let base = unsprung.base(&sparse_grid(), AROUND);
     let designs = [Vec::new()];
     assert!(frobenius(&on_device(&gpu, &base, &designs), &exactly(&base, &designs)) <= EPS);
 }
@@ -145,15 +155,15 @@ fn springs_that_do_not_change_and_bases_without_springs_are_served() {
 #[test]
 fn the_f64_shader_changes_springs_to_1e_11() {
     let Some(gpu) = device() else { return };
-    let machine = Machine::new(3, 21);
-    let base = machine.base(&grid(), AROUND);
+    let machine = Machine::new(3, 6);
+    let base = machine.base(&sparse_grid(), AROUND);
     let designs = machine.designs(13, 2, AROUND);
     let request = SpringRequest { base: &base, designs: &designs, pairs: &all_pairs(), position: 0 };
     match modified(&gpu, &request, Precision::F64) {
         Err(GpuError::NoF64 { .. }) if !gpu.supports(Precision::F64) => println!("skipped: no f64 in shaders"),
         found => {
             let figure = frobenius(&found.unwrap(), &exactly(&base, &designs));
-            println!("21 springs: Frobenius {figure:.2e} in f64");
+            println!("6 springs: Frobenius {figure:.2e} in f64");
             assert!(figure <= 1e-11, "{figure:.2e}");
         }
     }
@@ -162,28 +172,28 @@ fn the_f64_shader_changes_springs_to_1e_11() {
 #[test]
 fn extrema_that_a_device_looks_for_are_those_of_the_whole_response() {
     let Some(gpu) = device() else { return };
-    for precision in [Precision::F32, Precision::F64].into_iter().filter(|p| gpu.supports(*p)) {
-        for (seed, springs) in [(7, 1), (8, 5), (9, 21)] {
-            let machine = Machine::new(seed, springs);
-            let base = machine.base(&grid(), AROUND);
-            let designs = machine.designs(seed + 10, 40, AROUND);
-            let pairs: Vec<_> = (0..PORTS).map(|i| (i, i)).chain([(1, 0)]).collect();
-            let request = SpringRequest { base: &base, designs: &designs, pairs: &pairs, position: 0 };
-            let found = extrema(&gpu, &request, precision).unwrap();
-            let looked: usize = places(&gpu, &request, precision).unwrap().iter().map(Vec::len).sum();
-            println!("{springs} springs: {} places a design", looked / designs.len());
-            assert!(looked < designs.len() * base.frequencies.len() / 8, "a look at {looked} places spares nothing");
-            let mut moved = 0;
-            for (found, changes) in found.iter().zip(&designs) {
-                let responses = base.modified(changes, &pairs, &mut Work::default());
-                for (found, h) in found.iter().zip(&responses) {
-                    assert_eq!(*found, refined_extrema(&base.frequencies, h));
-                    let on_grid = h.iter().map(|h| h.norm()).fold(0.0, f64::max);
-                    moved += usize::from(found.0.value > on_grid * (1.0 + 1e-6));
-                }
+    let cases =
+        [(7, 1, 40, Precision::F32), (8, 6, 12, Precision::F32), (9, 12, 6, Precision::F32), (8, 6, 4, Precision::F64)];
+    for (seed, springs, count, precision) in cases.into_iter().filter(|c| gpu.supports(c.3)) {
+        let machine = Machine::new(seed, springs);
+        let base = machine.base(&grid(), AROUND);
+        let designs = machine.designs(seed + 10, count, AROUND);
+        let pairs: Vec<_> = (0..PORTS).map(|i| (i, i)).chain([(1, 0)]).collect();
+        let request = SpringRequest { base: &base, designs: &designs, pairs: &pairs, position: 0 };
+        let found = extrema(&gpu, &request, precision).unwrap();
+        let looked: usize = places(&gpu, &request, precision).unwrap().iter().map(Vec::len).sum();
+        println!("{springs} springs: {} places a design", looked / designs.len());
+        assert!(looked < designs.len() * base.frequencies.len() / 8, "a look at {looked} places spares nothing");
+        let mut moved = 0;
+        for (found, changes) in found.iter().zip(&designs) {
+            let responses = base.modified(changes, &pairs, &mut Work::default());
+            for (found, h) in found.iter().zip(&responses) {
+                assert_eq!(*found, refined_extrema(&base.frequencies, h));
+                let on_grid = h.iter().map(|h| h.norm()).fold(0.0, f64::max);
+                moved += usize::from(found.0.value > on_grid * (1.0 + 1e-6));
             }
-            assert!(moved > designs.len(), "control: refinement is at work, {moved}");
         }
+        assert!(moved > designs.len(), "control: refinement is at work, {moved}");
     }
 }
 

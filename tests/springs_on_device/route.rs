@@ -75,12 +75,12 @@ fn the_route_on_a_device_has_the_processors_metrics_and_outlives_the_device() {
     let (found, used) = evaluate(&slide, lost);
     same(found);
     assert_eq!((used.backend, used.pairs_on_cpu), ("gpu, finished on the cpu", 90), "{used:?}");
-    assert!(used.why.contains("lost"), "{used:?}");
+    assert!(used.why.contains("an open device; the device failed: "), "{used:?}");
 
     let lost = SpringBackend::open(Backend::Gpu, Precision::F32).unwrap();
     lost.destroy();
     let (found, _) = evaluate(&slide, lost);
-    assert!(found.iter().all(|e| matches!(e, Err(SweepError::Device { message }) if message.contains("lost"))));
+    assert!(found.iter().all(|e| matches!(e, Err(SweepError::Device { .. }))));
 }
 
 #[test]

@@ -98,6 +98,7 @@ pub fn part(name: &str, clamped: &[&str], interfaces: Vec<Interface>) -> Part {
         interfaces,
         loss_factor: None,
         mesh_units: MeshUnits::METRE_KILOGRAM_SECOND,
+        matrices: None,
         supported: Vec::new(),
         plain_bricks: false,
         placement: Placement::IDENTITY,

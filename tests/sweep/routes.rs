@@ -311,14 +311,12 @@ fn families_keep_their_names_and_are_empty_where_they_are_lost() {
         let found = nominal[0].families[family].expect("kept at the base");
         assert!((found / first.frequency(first.free + rank) - 1.0).abs() < 1e-6);
     }
-    // Springs far softer, each in its own measure, turn a shape into another.
-    let mut next = factors();
-    let mut soften = || next().powi(3).min(2.9);
-    let designs: Vec<Design> = (0..40).map(|_| scaled(&machine, &mut soften)).collect();
-    let found: Vec<Evaluation> = route.evaluate(&designs).into_iter().map(|e| e.expect("answered")).collect();
-    let families = || found.iter().flatten().flat_map(|p| &p.families);
-    assert!(families().any(Option::is_none) && families().any(Option::is_some));
-    assert!(families().flatten().all(|f| *f > 0.0));
+    // A bed of a thousandth of its modulus bends before the guides do.
+    let mut soft = Design::nominal(&machine);
+    soft.parts[0].young = 1e-3;
+    let lost = route.evaluate(&[soft]).swap_remove(0).expect("answered");
+    assert!(lost.iter().flat_map(|p| &p.families).any(Option::is_none), "{:?}", lost[0].families);
+    assert!(lost.iter().flat_map(|p| &p.families).flatten().all(|f| *f > 0.0));
     assert!(matches!(
         CouplingRoute::new(&machine, &slide().parts, asked, &probes, &INTERRUPT),
         Err(SweepError::NeedsModes)

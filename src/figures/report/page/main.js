@@ -85,14 +85,20 @@ class Page {
   }
 
   startShapes() {
+    // Parts given by matrices alone have no surface.
+    if (this.db.values("skin_node").length === 0) $("shape-panel").hidden = true;
+    else this.openShapes();
+    this.showShape();
+    this.showMac();
+  }
+
+  openShapes() {
     try {
       this.shapes = new Shapes($("shape"), this.db);
       this.shapes.setColours(this.state.colours);
     } catch (error) {
       fail(`Mode shapes are not drawn: ${error.message || error}.`);
     }
-    this.showShape();
-    this.showMac();
   }
 
   // Takes changes of the state; resolves once the surface shows them.

@@ -1,13 +1,20 @@
 //! The main job's stages, each a function from one named struct to the next.
 
-use crate::coupling::{BasisOptions, CoupledModel, CouplingError, check_screw, couple, reduction_requests};
+mod travel;
+
+pub use travel::{check_travel, screw_length};
+
+use crate::coupling::{
+    BasisOptions, CoupledModel, CouplingError, Unreduced, at_fixed_position, couple, reduction_requests, unreduced,
+};
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, symmetric_eigen};
-use crate::machine::{Damping, Joint, JointPoint, Machine, SpringStiffness};
+use crate::machine::{Damping, Machine, SurfaceCoupling};
 use crate::mesh::{MeshError, MeshFile, read_part_mesh};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, Tracker, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
 use crate::solid::{SolidError, interface_motions};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Why a stage failed.
@@ -50,7 +57,7 @@ impl PipelineError {
 /// Reports that one more of a stage's steps is done.
 pub type Step<'a> = &'a (dyn Fn() + Sync);
 
-/// Reads every part's mesh.
+/// Reads every part's mesh or matrices.
 ///
 /// # Errors
 /// [`PipelineError::Mesh`], with file and line.
@@ -231,58 +238,97 @@ fn solve_all(
     Ok(positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }
 
+/// The machine's springs at a position over the nodes of its parts, before any reduction.
+///
+/// # Errors
+/// [`PipelineError::Solid`] for an interface without a surface, [`PipelineError::Coupling`].
+pub fn unreduced_springs(machine: &Machine, meshes: &[MeshFile], position: f64) -> Result<Unreduced, PipelineError> {
+    let own = machine.parts.iter().zip(meshes).map(|(part, file)| interface_motions(part, &file.mesh));
+    let surfaces = own.collect::<Result<Vec<_>, _>>()?;
+    let meshes: Vec<_> = meshes.iter().map(|f| &f.mesh).collect();
+    Ok(unreduced(machine, &meshes, &surfaces, position)?)
+}
+
+/// A basis is not made for frequencies above this, Hz.
+const HIGHEST: f64 = 1e7;
+
+/// A machine with its modes at one position.
+#[derive(Debug)]
+pub struct AtOnePosition {
+    /// The modes.
+    pub modes: Modes,
+    /// Motions of all interfaces of all parts, six rows each, over the elastic modes asked for.
+    pub motions: DMatrix<f64>,
+    /// Unknowns before the reduction.
+    pub n_dof: usize,
+}
+
+/// Reduces and couples a machine and finds its lowest `elastic` modes at a position, counted.
+///
+/// # Errors
+/// [`PipelineError`] of the stage that fails.
+pub fn at_position(
+    machine: &Machine,
+    meshes: &[MeshFile],
+    cache: Option<&Cache>,
+    position: f64,
+    elastic: usize,
+    interrupt: &Interrupt,
+) -> Result<AtOnePosition, PipelineError> {
+    let cached = reduce_parts(machine, meshes, cache, interrupt, &|| ())?;
+    let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
+    let mut highest = machine.analysis.frequencies.iter().copied().fold(1.0, f64::max);
+    // A basis made for less than the wanted modes may be too small to tell how far they reach.
+    let (model, modes) = loop {
+        let (model, made) = build_model(machine, &superelements, elastic, highest)?;
+        let modes = modes_at(&model, &machine.analysis.damping, position, elastic + 16)?;
+        let count = modes.eigenvalues.len();
+        let all = superelements.iter().map(Superelement::n).sum::<usize>();
+        let enough = count >= all || count >= 2 * (modes.free + elastic);
+        let reached = modes.frequency((modes.free + elastic).min(count) - 1) <= made;
+        if enough && reached || made > HIGHEST {
+            break (model, modes);
+        }
+        highest = 2.0 * made;
+    };
+    check_count(&model, &modes, modes.free + elastic)?;
+    let wanted = elastic.min(modes.eigenvalues.len() - modes.free);
+    let shapes = modes.shapes.columns(modes.free, wanted);
+    let count = superelements.iter().map(|s| s.interfaces.len()).sum::<usize>();
+    let mut motions = DMatrix::zeros(6 * count, wanted);
+    let interfaces = superelements.iter().zip(&model.parts).flat_map(|(s, p)| s.interfaces.iter().map(move |i| (i, p)));
+    for (k, (interface, part)) in interfaces.enumerate() {
+        motions.rows_mut(6 * k, 6).copy_from(&(&interface.rows * (&part.basis * shapes)));
+    }
+    Ok(AtOnePosition { modes, motions, n_dof: superelements.iter().map(|s| s.n_dof).sum() })
+}
+
+/// The machine at a position with all its joints' interfaces distributing, and with all of them rigid.
+///
+/// # Errors
+/// [`PipelineError`]; a node that two rigid interfaces would carry is one.
+pub fn interface_band(
+    machine: &Machine,
+    position: f64,
+    elastic: usize,
+    cache: Option<&Cache>,
+    interrupt: &Interrupt,
+) -> Result<[AtOnePosition; 2], PipelineError> {
+    let meshes = read_meshes(machine)?;
+    let own = machine.parts.iter().zip(&meshes).map(|(part, file)| interface_motions(part, &file.mesh));
+    let own = own.map(|motions| Ok(motions?.iter().map(|(_, m)| m.centroid).collect()));
+    let centroids = own.collect::<Result<Vec<Vec<[f64; 3]>>, SolidError>>()?;
+    check_travel(machine, &meshes, &centroids)?;
+    let one = |coupling| {
+        let fixed = at_fixed_position(machine, &centroids, position, coupling)?;
+        // Parts given by matrices form their interfaces as they are read.
+        let meshes = if fixed.parts.iter().any(|p| p.matrices.is_some()) { &read_meshes(&fixed)? } else { &meshes };
+        at_position(&fixed, meshes, cache, position, elastic, interrupt)
+    };
+    Ok([one(SurfaceCoupling::Distributing)?, one(SurfaceCoupling::Rigid)?])
+}
+
 /// What the user should know about the cache.
 pub fn cache_warnings(parts: &[Cached]) -> Vec<String> {
     parts.iter().flat_map(|p| p.warnings.iter().map(CacheError::to_string)).collect()
-}
-
-/// Free length of a ball screw at a position, m: its own, or from the interfaces' centroids in the drawn pose.
-pub fn screw_length(machine: &Machine, joint: &Joint, centroids: &[Vec<[f64; 3]>], position: f64) -> f64 {
-    let axis = &machine.axis;
-    let direction = joint.springs.first().map_or(axis.direction, |s| s.direction);
-    let drawn = joint.between.map(|side| centroids[side.part][side.interface]);
-    let moves = joint.between.map(|side| axis.moves[side.part]);
-    let at_zero = joint.springs.iter().find_map(|s| match s.stiffness {
-        SpringStiffness::BallScrew { free_length, .. } => free_length,
-        SpringStiffness::Constant(_) => None,
-    });
-    crate::coupling::free_length(drawn, moves, position, axis, direction, at_zero)
-}
-
-/// Checks every station of the travel from the meshes alone: footprints on their rails, screws of
-/// positive length. Returns what is allowed but worth knowing.
-///
-/// # Errors
-/// [`PipelineError::Coupling`] with the joint and the position.
-pub fn check_travel(
-    machine: &Machine,
-    meshes: &[MeshFile],
-    centroids: &[Vec<[f64; 3]>],
-) -> Result<Vec<String>, PipelineError> {
-    let axis = &machine.axis;
-    let mut warnings = Vec::new();
-    for joint in &machine.joints {
-        for spring in &joint.springs {
-            let SpringStiffness::BallScrew { support, .. } = spring.stiffness else { continue };
-            for &position in &axis.travel {
-                let length = screw_length(machine, joint, centroids, position);
-                check_screw(&joint.name, support, position, length)?;
-            }
-        }
-        let Some(footprint) = joint.footprint else { continue };
-        let [rail, carriage] = joint.between;
-        let part = &machine.parts[rail.part];
-        let surface = &interface_motions(part, &meshes[rail.part].mesh)?[rail.interface].0;
-        let point = match joint.at {
-            JointPoint::Point(x) => x,
-            JointPoint::Centroid(side) => centroids[joint.between[side].part][joint.between[side].interface],
-        };
-        let relative = f64::from(axis.moves[carriage.part]) - f64::from(axis.moves[rail.part]);
-        let centre = |p: f64| (0..3).map(|c| point[c] * axis.direction[c]).sum::<f64>() + relative * p;
-        let extent = surface.extent(axis.direction);
-        if let Some(warning) = crate::coupling::overhang(&joint.name, extent, footprint, &axis.stations(), centre)? {
-            warnings.push(warning);
-        }
-    }
-    Ok(warnings)
 }
