@@ -61,7 +61,7 @@ function buildFactors(page) {
     $("reset").before(element("label", {}, `${label} `, element("output", { id: `${id}-value` }), input));
   }
   if (header.lossy_parts.length > 0) {
-    const text = `Joints keep their stiffness here while ${header.lossy_parts.join(", ")} damp by loss factors of their own: their share in a changed mode is not in this page. A damping ratio for all modes replaces them and frees the sliders.`;
+    const text = `Joints keep their stiffness here while parts damp by loss factors of their own (${header.lossy_parts.join(", ")}): what these give to a changed mode is not in this page. A damping ratio for all modes replaces them and frees the sliders.`;
     $("reset").before(element("p", { id: "reason", textContent: text }));
   }
 }
