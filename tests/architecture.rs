@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The way of the data; a module uses only what stands before it.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "interrupt",
     "machine",
     "mesh",
@@ -17,6 +17,7 @@ const ORDER: [&str; 15] = [
     "state_space",
     "frf",
     "gpu",
+    "response",
     "export",
     "figures",
     "pipeline",

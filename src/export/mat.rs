@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::mat5::{self, Value};
 use super::{ExportError, finite, length, response};
 use crate::frf::ComplianceMap;
-use crate::state_space::StateSpace;
+use crate::state_space::{Aligned, Database, Hold, StateSpace};
 
 /// Columns of the transposition that one task takes: a row of them fills whole cache lines.
 const BLOCK: usize = 16;
@@ -74,6 +74,74 @@ pub fn write_state_space(
     outputs: &[String],
     inputs: &[String],
 ) -> Result<(), ExportError> {
+    mat5::write(path, &state_variables(path, states, outputs, inputs)?)
+}
+
+/// Writes `state_space.mat` of a whole database: what [`write_state_space`] writes, and
+///
+/// | variable | content |
+/// |---|---|
+/// | `sample_time`, `hold` | s and `zero` or `first` for discretised states; 0 and an empty text for continuous ones |
+/// | `rows` | cell column: quantity and output of each row of C and D |
+/// | `aligned` | struct of arrays over the positions that may be interpolated entry by entry: `position`, `stiffness`, `damping` (n_position x n x n), `inputs`, `outputs`, `compliance` |
+/// | `leave_one_out` | n_position x 1, share of the peak when a position is interpolated from the others; NaN at the ends |
+///
+/// `states` of the database are written as they are: discretise them before, and say how in `discrete`.
+///
+/// # Errors
+/// As [`write_state_space`].
+pub fn write_database(
+    path: &Path,
+    database: &Database,
+    outputs: &[String],
+    inputs: &[String],
+    discrete: Option<(f64, Hold)>,
+) -> Result<(), ExportError> {
+    let mut variables = state_variables(path, &database.states, outputs, inputs)?;
+    let blocks = database.states.first().map_or(0, |s| s.c.nrows() / outputs.len().max(1));
+    let quantities = match (blocks, database.options.velocity) {
+        (3, _) => vec!["displacement", "velocity", "acceleration"],
+        (2, true) => vec!["displacement", "velocity"],
+        (2, false) => vec!["displacement", "acceleration"],
+        _ => vec!["displacement"],
+    };
+    let rows: Vec<String> = quantities.iter().flat_map(|q| outputs.iter().map(move |o| format!("{q} {o}"))).collect();
+    let (sample_time, hold) = discrete.map_or((0.0, ""), |(time, hold)| (time, hold.name()));
+    let aligned = &database.aligned;
+    let positions: Vec<f64> = aligned.iter().map(|a| a.position).collect();
+    let stacked = |what: &str, of: fn(&Aligned) -> &DMatrix<f64>| {
+        let (n, m) = aligned.first().map_or((0, 0), |a| of(a).shape());
+        for a in aligned {
+            length(path, &format!("aligned {what} at {} m", a.position), of(a).len(), n * m)?;
+            check_axis(path, &format!("aligned {what} at {} m", a.position), of(a).as_slice())?;
+        }
+        let data = (0..n * m).flat_map(|k| aligned.iter().map(move |a| of(a).as_slice()[k])).collect::<Vec<_>>();
+        Ok(Value::Real { dims: vec![aligned.len(), n, m], data: data.into() })
+    };
+    let fields = vec!["position", "stiffness", "damping", "inputs", "outputs", "compliance"];
+    let values = vec![
+        Value::Real { dims: vec![positions.len(), 1], data: positions.into() },
+        stacked("stiffness", |a| &a.stiffness)?,
+        stacked("damping", |a| &a.damping)?,
+        stacked("inputs", |a| &a.inputs)?,
+        stacked("outputs", |a| &a.outputs)?,
+        stacked("compliance", |a| &a.compliance)?,
+    ];
+    let figures: Vec<f64> = database.leave_one_out.iter().map(|f| f.unwrap_or(f64::NAN)).collect();
+    variables.push(("sample_time", Value::scalar(sample_time)));
+    variables.push(("hold", Value::Text(Cow::Borrowed(hold))));
+    variables.push(("rows", Value::names(&rows)));
+    variables.push(("aligned", Value::Structs { fields, values: vec![values] }));
+    variables.push(("leave_one_out", Value::Real { dims: vec![figures.len(), 1], data: figures.into() }));
+    mat5::write(path, &variables)
+}
+
+fn state_variables<'a>(
+    path: &Path,
+    states: &'a [StateSpace],
+    outputs: &'a [String],
+    inputs: &'a [String],
+) -> Result<Vec<(&'static str, Value<'a>)>, ExportError> {
     for state in states {
         check_state(path, state, outputs.len(), inputs.len())?;
     }
@@ -98,15 +166,12 @@ pub fn write_state_space(
         fields: vec!["position", "input", "displacement", "velocity", "acceleration", "eigenvalues"],
         values: vec![vec![text("m"), text("N"), text("m"), text("m/s"), text("m/s^2"), text("(rad/s)^2")]],
     };
-    mat5::write(
-        path,
-        &[
-            ("states", Value::Structs { fields, values }),
-            ("inputs", Value::names(inputs)),
-            ("outputs", Value::names(outputs)),
-            ("units", units),
-        ],
-    )
+    Ok(vec![
+        ("states", Value::Structs { fields, values }),
+        ("inputs", Value::names(inputs)),
+        ("outputs", Value::names(outputs)),
+        ("units", units),
+    ])
 }
 
 /// Real and imaginary parts of a row-major array of four indices in column-major order.

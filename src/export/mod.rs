@@ -10,7 +10,8 @@
 //! | `eigenfrequencies.csv` | [`ModeFamilies`](crate::modal::ModeFamilies) | [`eigenfrequencies::write_families`] |
 //! | `mode_table.csv` | [`ModeTableRow`](crate::modal::ModeTableRow) | [`eigenfrequencies::write_mode_table`] |
 //! | `compliance.mat` | [`ComplianceMap`](crate::frf::ComplianceMap) | [`mat::write_compliance`] |
-//! | `state_space.mat` | [`StateSpace`](crate::state_space::StateSpace) | [`mat::write_state_space`] |
+//! | `state_space.mat` | [`Database`](crate::state_space::Database) | [`mat::write_database`] |
+//! | `time_history.csv`, `.mat` | [`History`](crate::response::History) | [`history::write_csv`], [`history::write_mat`] |
 //! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`] |
 //! | `surface_<out><in>.vts` | one response of a map | [`vts::write_surface`] |
 //! | `manifest.json` | [`manifest::Manifest`] | [`manifest::Manifest::write`] |
@@ -18,6 +19,7 @@
 pub mod atomic;
 mod digits;
 pub mod eigenfrequencies;
+pub mod history;
 pub mod manifest;
 pub mod mat;
 pub mod mat5;

@@ -11,6 +11,7 @@
 mod analysis;
 mod axis;
 mod bundled;
+mod contact;
 mod error;
 mod interfaces;
 mod joint_kinds;
