@@ -8,6 +8,9 @@ mod overrides;
 mod progress;
 mod record;
 mod run;
+mod simulate;
+mod simulate_files;
+mod states;
 mod summary;
 
 use anyhow::Result;
@@ -20,6 +23,7 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
+use stiffmap::response::ResponseError;
 
 /// Dynamic stiffness of a machine tool over its whole work volume.
 #[derive(Parser, Debug)]
@@ -33,6 +37,8 @@ pub struct Cli {
 enum Command {
     /// The main job: from the machine file to modes, state space, compliance map and pictures
     Run(run::Arguments),
+    /// Time histories: forces in, motions out, at fixed positions or along a path
+    Simulate(Box<simulate::Arguments>),
     /// Print what is understood of a machine, without solving
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
@@ -68,6 +74,7 @@ pub struct UsageError(pub String);
 pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
     match cli.command {
         Command::Run(arguments) => run::run(&arguments, interrupt),
+        Command::Simulate(arguments) => simulate::simulate(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),
@@ -84,6 +91,7 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error.is::<MachineError>()
         || error.is::<MeshError>()
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
+        || error.downcast_ref::<ResponseError>().is_some_and(ResponseError::is_input)
         || error
             .downcast_ref::<FrfError>()
             .is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))

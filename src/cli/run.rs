@@ -2,6 +2,7 @@
 
 use super::overrides::Overrides;
 use super::progress::Progress;
+use super::states::StateArguments;
 use super::{cache_folder, machine_path, record, summary};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -20,7 +21,6 @@ use stiffmap::machine::{Machine, read_machine};
 use stiffmap::modal::{ModeTableRow, mode_table};
 use stiffmap::pipeline::{self, PipelineError, Solved};
 use stiffmap::reduction::Cache;
-use stiffmap::state_space::{StateSpaceOptions, state_space};
 
 /// Tolerance of the truncation, relative to the Frobenius norm of the receptance.
 const TRUNCATION: f64 = 1e-4;
@@ -34,6 +34,8 @@ pub struct Arguments {
     /// Leave the constant residual out; sums exactly the state space's modes
     #[arg(long)]
     pub(super) no_residual: bool,
+    #[command(flatten)]
+    states: StateArguments,
     /// What computes the map: auto, cpu or gpu
     #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu", value_parser = parse_backend)]
     backend: Backend,
@@ -82,6 +84,7 @@ pub struct Outcome {
 
 /// Runs the main job.
 pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
+    arguments.states.check()?;
     let mut progress = Progress::new(arguments.json);
     let (path, _bundled) = machine_path(arguments.machine.as_deref())?;
     let mut machine = read_machine(&path)?;
@@ -190,12 +193,9 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         out,
     };
     manifest.settings.push("smallest_dynamic_stiffness", json!(summary::smallest_stiffness(&outcome)));
-    let states =
-        StateSpaceOptions { modes: reported, velocity: false, acceleration: false, residual: !arguments.no_residual };
     write(
         &outcome,
         &request_for_figures(&outcome, &systems),
-        states,
         arguments,
         &mut progress,
         &mut manifest,
@@ -223,7 +223,6 @@ fn undamped_in_band(request: &FrfRequest<'_>) -> Option<f64> {
 fn write(
     outcome: &Outcome,
     systems: &FigureRequest<'_>,
-    states: StateSpaceOptions,
     arguments: &Arguments,
     progress: &mut Progress,
     manifest: &mut Manifest,
@@ -239,8 +238,14 @@ fn write(
         go_on()?;
         mat::write_compliance(&out.join("compliance.mat"), map)?;
         go_on()?;
-        let systems: Vec<_> = outcome.solved.modes.iter().map(|m| state_space(m, states)).collect();
-        mat::write_state_space(&out.join("state_space.mat"), &systems, &map.outputs, &map.inputs)?;
+        arguments.states.write(
+            &out.join("state_space.mat"),
+            &outcome.solved.modes,
+            outcome.machine.analysis.modes,
+            !arguments.no_residual,
+            (&map.outputs, &map.inputs),
+            manifest,
+        )?;
         go_on()?;
         files.extend(["eigenfrequencies.csv", "mode_table.csv", "compliance.mat", "state_space.mat"].map(String::from));
         files.extend(surface::write_direct_surfaces(out, map)?.iter().map(|p| relative(p, out)));
@@ -312,7 +317,7 @@ fn request_for_figures<'a>(outcome: &'a Outcome, systems: &'a [ModalSystem]) -> 
     FigureRequest { map, systems, frequencies }
 }
 
-fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {
+pub(super) fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {
     let of_part = |(part, file): (&stiffmap::machine::Part, &stiffmap::mesh::MeshFile)| {
         let name = part.mesh.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         file.warnings.iter().map(|w| format!("{name}, line {}: {}", w.line, w.text)).collect::<Vec<_>>()
@@ -320,7 +325,7 @@ fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<
     machine.parts.iter().zip(meshes).flat_map(of_part).collect()
 }
 
-fn figure(name: &str, figure: f64, bound: f64) -> Check {
+pub(super) fn figure(name: &str, figure: f64, bound: f64) -> Check {
     Check { name: name.into(), figure, bound, passed: figure <= bound }
 }
 
@@ -333,12 +338,12 @@ fn without_nulls(value: serde_json::Value) -> serde_json::Value {
     }
 }
 
-fn relative(path: &Path, folder: &Path) -> String {
+pub(super) fn relative(path: &Path, folder: &Path) -> String {
     path.strip_prefix(folder).unwrap_or(path).to_string_lossy().replace('\\', "/")
 }
 
 /// A name as a folder: `vertical mill` becomes `vertical_mill`.
-fn slug(name: &str) -> String {
+pub(super) fn slug(name: &str) -> String {
     let slug: String = name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
     let slug = slug.trim_matches('_').to_string();
     if slug.is_empty() { "machine".into() } else { slug }

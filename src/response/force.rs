@@ -146,6 +146,19 @@ impl Forces {
         self.step * sample as f64
     }
 
+    /// Forces at all inputs at a time that is counted in samples, straight between them.
+    pub fn at(&self, sample: f64) -> nalgebra::DVector<f64> {
+        let n = self.inputs.len();
+        let last = self.samples() - 1;
+        let before = (sample.floor().max(0.0) as usize).min(last);
+        let after = (before + 1).min(last);
+        let share = sample - before as f64;
+        nalgebra::DVector::from_fn(n, |j, _| {
+            let (a, b) = (self.values[before * n + j], self.values[after * n + j]);
+            if share == 0.0 { a } else { a + share * (b - a) }
+        })
+    }
+
     /// The samples of one input.
     pub fn input(&self, input: usize) -> Vec<f64> {
         self.values.iter().skip(input).step_by(self.inputs.len()).copied().collect()

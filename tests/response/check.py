@@ -4,6 +4,7 @@
     check.py expm SYSTEM HISTORY       the matrix exponential of the augmented system, share of the peak
     check.py discrete SYSTEM HISTORY   scipy.signal.dlsim of the discretised system, share of the peak
     check.py control SYSTEM MAP        python-control's frequency response, relative Frobenius norm
+    check.py shapes DATABASE DATABASE  names, shapes and types of `stiffmap run`'s database; 0 or an error
     check.py aligned DATABASE SYSTEM   cubic interpolation of the file's aligned matrices, share of the peak
 
 Files are MAT-files of the program. SYSTEM is a state-space database, of which the first struct counts.
@@ -116,7 +117,36 @@ def aligned(database_path, system_path):
     return largest / peak
 
 
-CHECKS = {"lsim": lsim, "expm": by_expm, "discrete": discrete, "control": control, "aligned": aligned}
+def shapes(path, _):
+    """Five positions, thirty modes, three outputs with velocities and accelerations, discretised."""
+    file = loadmat(path)
+    assert file["states"].shape == (1, 5) and file["states"].dtype.names == (
+        "position", "A", "B", "C", "D", "eigenvalues", "eigenvectors", "damping",
+    )
+    expected = [(1, 1), (60, 60), (60, 3), (9, 60), (9, 3), (30, 1), (30, 3), (30, 1)]
+    for s in file["states"][0]:
+        assert [s[name].shape for name in file["states"].dtype.names] == expected
+        assert all(s[name].dtype == np.float64 for name in file["states"].dtype.names)
+        assert np.abs(np.linalg.eigvals(s["A"])).max() < 1
+    assert file["sample_time"].item() == 5e-5 and str(file["hold"][0]) == "first"
+    rows = [str(r[0]) for r in file["rows"].ravel()]
+    assert rows == [f"{q} {o}" for q in ("displacement", "velocity", "acceleration") for o in "xyz"]
+    a = file["aligned"][0, 0]
+    n = a["stiffness"].shape[1]
+    assert a["stiffness"].shape == (5, n, n) and a["inputs"].shape == (5, n, 3) and a["outputs"].shape == (5, 3, n)
+    loo = file["leave_one_out"].ravel()
+    assert np.isnan(loo[[0, -1]]).all() and (loo[1:-1] > 0).all() and (loo[1:-1] < 1e-2).all()
+    return 0.0
+
+
+CHECKS = {
+    "shapes": shapes,
+    "lsim": lsim,
+    "expm": by_expm,
+    "discrete": discrete,
+    "control": control,
+    "aligned": aligned,
+}
 
 if __name__ == "__main__":
     if len(sys.argv) != 4 or sys.argv[1] not in CHECKS:

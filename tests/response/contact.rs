@@ -102,7 +102,9 @@ fn a_stuck_mass_does_not_creep_and_breaks_away_at_its_limit() {
     let run = mass.run(Law::Friction(friction), &ramp, 0.0, 0.0);
     let slides = run.events.iter().find(|e| e.kind == EventKind::Slides).unwrap();
     assert!((slides.time - 0.5).abs() <= 1.1 / 2000.0, "{}", slides.time);
-    assert!(run.history.displacement[..999].iter().all(|x| x.abs() < 1e-15), "no creep");
+    // Between samples the friction is constant and the force is not: the joint yields by F h^2 / (12 m), and no more.
+    let yields = |k: usize| -ramp.values[k] * (1.0 / 2000.0_f64).powi(2) / 12.0;
+    assert!((0..999).all(|k| (run.history.displacement[k] - yields(k)).abs() < 1e-12), "no creep");
     let held: Vec<f64> = run.tension[1..900].to_vec();
     assert!(held.iter().enumerate().all(|(k, l)| (l - 0.5 * (ramp.values[k] + ramp.values[k + 1])).abs() < 1e-9));
     assert!(run.history.displacement[n - 1] > 0.1);
@@ -162,10 +164,10 @@ fn a_mass_with_backlash_has_the_piecewise_linear_period() {
         assert!((peak / amplitude - 1.0).abs() < 2e-3, "the amplitude stays, {peak}");
         ((times[9] - times[0]) / 9.0 / expected - 1.0).abs()
     };
-    let errors = [error(10e3), error(20e3), error(40e3)];
+    let errors = [error(5e3), error(20e3), error(80e3)];
     println!("period: {errors:?}");
-    assert!(errors[2] < 1e-5, "{errors:?}");
-    assert!(errors[0] / errors[2] > 6.0, "it falls with the step: {errors:?}");
+    assert!(errors[2] < 2e-6, "{errors:?}");
+    assert!(errors[0] > 30.0 * errors[2], "it falls with the step: {errors:?}");
     let control = (period(&mass, 1.01 * gap, amplitude) / expected - 1.0).abs();
     assert!(control > 1e-3, "control: a hundredth more play shows, {control:.1e}");
 }

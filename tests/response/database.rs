@@ -7,17 +7,17 @@ use stiffmap::linalg::symmetric_eigen;
 use stiffmap::modal::Modes;
 use stiffmap::state_space::{Database, StateSpace, StateSpaceOptions, receptance_difference, state_space};
 
-const PAPER: StateSpaceOptions = StateSpaceOptions { modes: 30, velocity: false, acceleration: false, residual: true };
+pub(super) const PAPER: StateSpaceOptions = StateSpaceOptions { modes: 30, velocity: false, acceleration: false, residual: true };
 
 /// Every 5 mm from one position down to another.
-fn stations(from: f64, to: f64) -> Vec<Modes> {
+pub(super) fn stations(from: f64, to: f64) -> Vec<Modes> {
     let n = ((from - to) / 0.005_f64).round() as usize;
     (0..=n).map(|k| modes(from - 0.005 * k as f64)).collect()
 }
 
 /// The usual way: modes matched by their MAC from station to station, frequency, damping and shape interpolated one by
 /// one over the same four stations.
-fn by_matched_modes(four: &[Modes], position: f64) -> StateSpace {
+pub(super) fn by_matched_modes(four: &[Modes], position: f64) -> StateSpace {
     let n = 30;
     let first = &four[0];
     let mut chains: Vec<Vec<(usize, f64)>> = (0..n).map(|r| vec![(first.free + r, 1.0)]).collect();
@@ -33,9 +33,10 @@ fn by_matched_modes(four: &[Modes], position: f64) -> StateSpace {
         }
     }
     let at = |k: usize| four[k].position;
+    let points = four.len();
     let weight =
-        |k: usize| (0..4).filter(|o| *o != k).map(|o| (position - at(o)) / (at(k) - at(o))).product::<f64>();
-    let mut out = Modes { position, free: 0, ..four[1].clone() };
+        |k: usize| (0..points).filter(|o| *o != k).map(|o| (position - at(o)) / (at(k) - at(o))).product::<f64>();
+    let mut out = Modes { position, free: 0, ..four[0].clone() };
     let blend = |of: &dyn Fn(&Modes, usize, f64) -> f64, chain: &[(usize, f64)]| -> f64 {
         chain.iter().enumerate().map(|(k, (r, sign))| weight(k) * of(&four[k], *r, *sign)).sum()
     };
@@ -51,7 +52,7 @@ fn by_matched_modes(four: &[Modes], position: f64) -> StateSpace {
         let one = |r: usize| m.outputs.column(r) * m.inputs.column(r).transpose() / m.eigenvalues[r];
         elastic.fold(m.direct.clone(), |sum, r| sum + one(r))
     };
-    out.direct = (0..4).map(|k| whole(&four[k]) * weight(k)).sum();
+    out.direct = (0..points).map(|k| whole(&four[k]) * weight(k)).sum();
     for r in 0..n {
         out.direct -= out.outputs.column(r) * out.inputs.column(r).transpose() / out.eigenvalues[r];
     }
@@ -87,7 +88,7 @@ fn subspaces_are_five_times_better_than_matched_modes_and_the_fixed_basis_is_exa
 }
 
 /// The state space of the superelements side by side, without any fixed basis.
-fn side_by_side(position: f64) -> StateSpace {
+pub(super) fn side_by_side(position: f64) -> StateSpace {
     let machine = &mill().model.side_by_side;
     let eigen = symmetric_eigen(&machine.coupled_stiffness(position).unwrap()).unwrap();
     let ports = DMatrix::from_rows(&machine.outputs.iter().map(|p| p.row.clone()).collect::<Vec<_>>());
@@ -172,9 +173,11 @@ fn the_file_alone_interpolates_in_python() {
     let database = Database::new(&stations(-0.3, -0.34), PAPER).unwrap();
     let file = folder.path().join("state_space.mat");
     mat::write_database(&file, &database, &names(), &names(), None).unwrap();
+    // What the aligned matrices carry: the modes asked for and some more.
+    let carried = StateSpaceOptions { modes: database.aligned[0].stiffness.nrows(), ..PAPER };
     let exact = |p: f64| {
         let path = folder.path().join("exact.mat");
-        mat::write_state_space(&path, &[StateSpace { position: -0.3175, ..state_space(&modes(p), PAPER) }], &names(), &names())
+        mat::write_state_space(&path, &[StateSpace { position: -0.3175, ..state_space(&modes(p), carried) }], &names(), &names())
             .unwrap();
         path
     };

@@ -1,11 +1,13 @@
 //! Time histories and state-space databases: against closed forms, the matrix exponential, SciPy and python-control.
 
+mod command;
 mod contact;
 mod database;
 mod forces;
 mod frozen;
 mod moving;
 mod recursion;
+mod scratch;
 mod spectra;
 
 use std::path::{Path, PathBuf};
@@ -18,10 +20,11 @@ use stiffmap::modal::{Modes, modes_at};
 use stiffmap::pipeline;
 use stiffmap::reduction::Cache;
 
-/// The bundled mill, coupled for 900 Hz.
+/// The bundled mill, coupled as `simulate` does it for 900 Hz.
 struct Mill {
     machine: Machine,
     model: CoupledModel,
+    parts: Vec<stiffmap::reduction::Superelement>,
 }
 
 fn mill() -> &'static Mill {
@@ -35,8 +38,8 @@ fn mill() -> &'static Mill {
         let parts =
             pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), &Interrupt::default(), &|| ()).unwrap();
         let parts: Vec<_> = parts.into_iter().map(|p| p.superelement).collect();
-        let model = pipeline::build_model(&machine, &parts, 30, 900.0).unwrap().0;
-        Mill { machine, model }
+        let model = pipeline::build_model(&machine, &parts, 30, 1.5 * 900.0).unwrap().0;
+        Mill { machine, model, parts }
     })
 }
 

@@ -236,7 +236,7 @@ fn between(list: &[(f64, DMatrix<f64>)], position: f64) -> DMatrix<f64> {
     &before.1 * (1.0 - share) + &after.1 * share
 }
 
-/// Orthonormal span of the modes up to the band at all training positions.
+/// Orthonormal span of the modes up to the band, and of the static rest, at all training positions.
 fn span(model: &CoupledModel, trained: &[Modes], options: PathOptions) -> Result<DMatrix<f64>, ResponseError> {
     let n = model.n();
     let mut gram = DMatrix::zeros(n, n);
@@ -247,6 +247,10 @@ fn span(model: &CoupledModel, trained: &[Modes], options: PathOptions) -> Result
         whole |= kept == n;
         let shapes = modes.shapes.columns(0, kept).transpose();
         gram += multiply_transposed(&shapes, &shapes);
+        if kept < n {
+            let rest = static_rest(modes, kept);
+            gram += multiply(&rest, &rest.transpose());
+        }
     }
     if whole {
         return Ok(DMatrix::identity(n, n));
@@ -255,6 +259,26 @@ fn span(model: &CoupledModel, trained: &[Modes], options: PathOptions) -> Result
     let edge = options.tolerance.powi(2) * eigen.values.amax();
     let kept: Vec<usize> = (0..n).filter(|k| eigen.values[*k] > edge).collect();
     Ok(eigen.vectors.select_columns(&kept))
+}
+
+/// Static responses to the ports' forces of the modes above the kept ones, each of unit length: their
+/// inertia then needs no further modes.
+fn static_rest(modes: &Modes, kept: usize) -> DMatrix<f64> {
+    let n = modes.eigenvalues.len();
+    let ports = modes.outputs.nrows() + modes.inputs.nrows();
+    let row = |i: usize, r: usize| {
+        let shape = if i < modes.outputs.nrows() { modes.outputs[(i, r)] } else { modes.inputs[(i - modes.outputs.nrows(), r)] };
+        shape / modes.eigenvalues[r]
+    };
+    let amplitudes = DMatrix::from_fn(n - kept, ports, |r, i| row(i, kept + r));
+    let mut out = multiply(&modes.shapes.columns(kept, n - kept).into_owned(), &amplitudes);
+    for mut column in out.column_iter_mut() {
+        let length = column.norm();
+        if length > 0.0 {
+            column /= length;
+        }
+    }
+    out
 }
 
 /// Static compliance of the elastic modes that a basis leaves out, with what no mode carries.

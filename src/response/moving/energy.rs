@@ -29,6 +29,18 @@ impl Energy {
         (0..self.kinetic.len()).map(|k| stored(k) - stored(0) - supplied(k)).collect()
     }
 
+    /// Every so-many-th sample.
+    pub(super) fn every(self, stride: usize) -> Self {
+        let thin = |list: Vec<f64>| list.into_iter().step_by(stride).collect();
+        Self {
+            kinetic: thin(self.kinetic),
+            potential: thin(self.potential),
+            force: thin(self.force),
+            dissipated: thin(self.dissipated),
+            travel: thin(self.travel),
+        }
+    }
+
     /// Largest imbalance as a share of the largest of stored energy, work of the forces and dissipated work.
     pub fn closure(&self) -> f64 {
         let stored = self.kinetic.iter().zip(&self.potential).map(|(a, b)| a + b);

@@ -20,7 +20,7 @@ pub struct TravelOptions {
 
 impl Default for TravelOptions {
     fn default() -> Self {
-        Self { hold: 4, recording: Recording::default() }
+        Self { hold: 2, recording: Recording::default() }
     }
 }
 
@@ -73,6 +73,8 @@ impl Flow {
 
 /// Flows that are made at once, in parallel.
 const BLOCK: usize = 128;
+/// Steps of the energy balance in a sample.
+const PARTS: usize = 2;
 
 /// The response from rest along a path.
 ///
@@ -93,56 +95,78 @@ pub fn travel(
     if options.hold == 0 {
         return Err(ResponseError::not_allowed("the samples that share one stiffness", 0, "at least 1"));
     }
-    let (n, h, samples, n_inputs) = (model.n(), forces.step, forces.samples(), forces.inputs.len());
+    let (n, h, samples) = (model.n(), forces.step, forces.samples());
     let positions: Vec<f64> = (0..samples).map(|k| path.at(forces.time(k))).collect();
-    let force = |k: usize| DVector::from_column_slice(&forces.values[k * n_inputs..][..n_inputs]);
-    let mut out = Outputs::new(options.recording, samples, model.at(positions[0]).outputs.nrows(), h);
-    let mut account = Account::new(samples);
-    let mut state = (DVector::zeros(n), DVector::zeros(n));
-    let mut stiffness = DMatrix::zeros(n, n);
+    let mut out = Outputs::new(options.recording, samples, model.at_ports(positions[0]).0.nrows(), h);
+    let mut walk = Walk {
+        model,
+        path,
+        part: h / PARTS as f64,
+        z: DVector::zeros(n),
+        v: DVector::zeros(n),
+        acceleration: DVector::zeros(n),
+        account: Account::new(PARTS * samples),
+        stiffness: DMatrix::zeros(n, n),
+    };
     let holds: Vec<usize> = (0..samples.max(2) - 1).step_by(options.hold).collect();
     for block in holds.chunks(BLOCK) {
-        if interrupt.requested() {
-            return Err(ResponseError::Interrupted);
-        }
         let middle = |first: usize| path.at(h * (first as f64 + 0.5 * options.hold as f64));
-        let flows =
-            block.par_iter().map(|&first| Flow::new(model, middle(first), h)).collect::<Result<Vec<_>, _>>()?;
+        let make = |&first: &usize| {
+            if interrupt.requested() {
+                return Err(ResponseError::Interrupted);
+            }
+            Flow::new(model, middle(first), h / PARTS as f64)
+        };
+        let flows = block.par_iter().map(make).collect::<Result<Vec<_>, _>>()?;
         for (&first, flow) in block.iter().zip(&flows) {
-            let mut modal = (flow.shapes.tr_mul(&state.0), flow.shapes.tr_mul(&state.1));
+            if first == 0 {
+                let u = forces.at(0.0);
+                walk.note(flow, 0.0, &u, &DVector::zeros(u.len()));
+                out.push(&model.at_ports(positions[0]), &walk, &u);
+            }
+            let mut modal = (flow.shapes.tr_mul(&walk.z), flow.shapes.tr_mul(&walk.v));
             let shaped = multiply(&flow.local.inputs, &flow.shapes);
-            let last = (first + options.hold).min(samples - 1);
-            for k in first..=last {
-                // The sample at which a hold begins was recorded by the one before.
-                if k > first {
-                    advance(&mut modal, flow, &shaped.tr_mul(&force(k - 1)), &shaped.tr_mul(&force(k)));
-                } else if k > 0 {
-                    continue;
+            for k in first + 1..=(first + options.hold).min(samples - 1) {
+                for part in 0..PARTS {
+                    let time = |parts: usize| (k - 1) as f64 + parts as f64 / PARTS as f64;
+                    let (before, after) = (forces.at(time(part)), forces.at(time(part + 1)));
+                    advance(&mut modal, flow, &shaped.tr_mul(&before), &shaped.tr_mul(&after));
+                    (walk.z, walk.v) = (&flow.shapes * &modal.0, &flow.shapes * &modal.1);
+                    walk.note(flow, h * time(part + 1), &after, &((&after - before) / walk.part));
                 }
-                state = (&flow.shapes * &modal.0, &flow.shapes * &modal.1);
-                model.stiffness_into(positions[k], &mut stiffness);
-                let u = force(k);
-                let slope = if k > 0 { flow.local.inputs.tr_mul(&((&u - force(k - 1)) / h)) } else { DVector::zeros(n) };
-                let (elastic, damping) = (&stiffness * &state.0, flow.damped(&state.1));
-                let driven = flow.local.inputs.tr_mul(&u);
-                let acceleration = &driven - &damping - &elastic;
-                out.push(&model.at_ports(positions[k]), &state, &acceleration, &u);
-                let sample = Sample {
-                    z: state.0.clone(),
-                    v: state.1.clone(),
-                    acceleration,
-                    damping,
-                    elastic,
-                    force: driven,
-                };
-                account.push(sample, &stiffness, &slope, h);
+                out.push(&model.at_ports(positions[k]), &walk, &forces.at(k as f64));
             }
             step();
         }
     }
     let mut history = out.history;
-    history.last = [state.0.as_slice().to_vec(), state.1.as_slice().to_vec()];
-    Ok(Travel { positions, history, energy: account.energy })
+    history.last = [walk.z.as_slice().to_vec(), walk.v.as_slice().to_vec()];
+    Ok(Travel { positions, history, energy: walk.account.energy.every(PARTS) })
+}
+
+/// The state on its way.
+struct Walk<'a> {
+    model: &'a PathModel,
+    path: &'a Path,
+    part: f64,
+    z: DVector<f64>,
+    v: DVector<f64>,
+    acceleration: DVector<f64>,
+    account: Account,
+    stiffness: DMatrix<f64>,
+}
+
+impl Walk<'_> {
+    /// Enters the state at a time into the energy balance, under forces u that came with a slope.
+    fn note(&mut self, flow: &Flow, time: f64, u: &DVector<f64>, slope: &DVector<f64>) {
+        self.model.stiffness_into(self.path.at(time), &mut self.stiffness);
+        let (elastic, damping) = (&self.stiffness * &self.z, flow.damped(&self.v));
+        let force = flow.local.inputs.tr_mul(u);
+        self.acceleration = &force - &damping - &elastic;
+        let (z, v, acceleration) = (self.z.clone(), self.v.clone(), self.acceleration.clone());
+        let sample = Sample { z, v, acceleration, damping, elastic, force };
+        self.account.push(sample, &self.stiffness, &flow.local.inputs.tr_mul(slope), self.part);
+    }
 }
 
 /// One exact step of every mode.
@@ -174,20 +198,14 @@ impl Outputs {
         }
     }
 
-    fn push(
-        &mut self,
-        ports: &(DMatrix<f64>, DMatrix<f64>),
-        state: &(DVector<f64>, DVector<f64>),
-        acceleration: &DVector<f64>,
-        u: &DVector<f64>,
-    ) {
+    fn push(&mut self, ports: &(DMatrix<f64>, DMatrix<f64>), walk: &Walk<'_>, u: &DVector<f64>) {
         let (outputs, direct) = ports;
-        self.history.displacement.extend((outputs * &state.0 + direct * u).iter());
+        self.history.displacement.extend((outputs * &walk.z + direct * u).iter());
         if let Some(list) = &mut self.history.velocity {
-            list.extend((outputs * &state.1).iter());
+            list.extend((outputs * &walk.v).iter());
         }
         if let Some(list) = &mut self.history.acceleration {
-            list.extend((outputs * acceleration).iter());
+            list.extend((outputs * &walk.acceleration).iter());
         }
     }
 }
