@@ -6,7 +6,7 @@ use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::coupling::reduction_requests;
-use stiffmap::machine::{JointKind, Machine, Motion, SpringStiffness, read_machine};
+use stiffmap::machine::{Contact, JointKind, Machine, Motion, SpringStiffness, read_machine};
 use stiffmap::pipeline;
 use stiffmap::solid::assemble;
 
@@ -73,6 +73,7 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
         let springs: Vec<String> = joint
             .springs
             .iter()
+            .filter(|s| s.stiffness != SpringStiffness::Constant(0.0) || s.damping > 0.0)
             .map(|s| match (s.stiffness, s.motion) {
                 (SpringStiffness::Constant(k), Motion::Translation) => {
                     format!("{} {} N/um", s.label, (k * 1e-2).round() * 1e-4)
@@ -108,10 +109,26 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
             joint.name,
             side(joint.between[1]),
             side(joint.between[0]),
-            springs.join(", ")
+            springs.into_iter().chain(joint.contact.map(contact)).collect::<Vec<_>>().join(", ")
         )?;
     }
     Ok(())
+}
+
+/// A joint's nonlinear law in words.
+fn contact(law: Contact) -> String {
+    match law {
+        Contact::Backlash(gap) => format!("backlash {:.3} um", gap * 1e6),
+        Contact::Friction(f) if f.breakaway > f.coulomb => {
+            format!(
+                "friction {} N, breakaway {} N, Stribeck speed {:.3} mm/s",
+                f.coulomb,
+                f.breakaway,
+                f.stribeck * 1e3
+            )
+        }
+        Contact::Friction(f) => format!("friction {} N", f.coulomb),
+    }
 }
 
 fn describe_axis(out: &mut String, machine: &Machine) -> Result<()> {

@@ -193,14 +193,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         out,
     };
     manifest.settings.push("smallest_dynamic_stiffness", json!(summary::smallest_stiffness(&outcome)));
-    write(
-        &outcome,
-        &request_for_figures(&outcome, &systems),
-        arguments,
-        &mut progress,
-        &mut manifest,
-        interrupt,
-    )?;
+    write(&outcome, &request_for_figures(&outcome, &systems), arguments, &mut progress, &mut manifest, interrupt)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {

@@ -3,7 +3,7 @@
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::run::{figure, mesh_warnings, slug};
-use super::simulate_files::{self, Outcome, Found};
+use super::simulate_files::{self, Found, Outcome};
 use super::{UsageError, cache_folder, machine_path, record};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -280,8 +280,7 @@ impl Arguments {
         })?;
         let stepping = TravelOptions { recording: self.recording(), ..TravelOptions::default() };
         let holds = forces.samples().div_ceil(stepping.hold);
-        let result = progress
-            .stage("travel", holds, |step| travel(&along, path, forces, stepping, interrupt, step))?;
+        let result = progress.stage("travel", holds, |step| travel(&along, path, forces, stepping, interrupt, step))?;
         manifest.counts.push("path_basis_coordinates", along.n() as u64);
         let name = "energy balance along the path, share of the largest energy";
         manifest.checks.push(figure(name, result.energy.closure(), 1e-6));

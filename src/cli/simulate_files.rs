@@ -166,16 +166,25 @@ pub fn print(outcome: &Outcome<'_>, manifest: &Manifest, progress: &Progress) {
             text += &format!("{samples} samples at {} positions; at {} m:\n", positions.len(), positions[0]);
             peaks(&mut text, &histories[0]);
             if let Some(map) = map {
-                text += &format!("spectra: {} lines to {} Hz\n", map.frequencies.len(), map.frequencies[map.frequencies.len() - 1]);
+                text += &format!(
+                    "spectra: {} lines to {} Hz\n",
+                    map.frequencies.len(),
+                    map.frequencies[map.frequencies.len() - 1]
+                );
             }
         }
         Found::Contact { positions, runs } => {
             let events: usize = runs.iter().map(|(run, _)| run.events.len()).sum();
-            text += &format!("{samples} samples at {} positions, {events} joint events; at {} m:\n", positions.len(), positions[0]);
+            text += &format!(
+                "{samples} samples at {} positions, {events} joint events; at {} m:\n",
+                positions.len(),
+                positions[0]
+            );
             peaks(&mut text, &runs[0].0.history);
         }
         Found::Along(travel) => {
-            text += &format!("{samples} samples from {} to {:.4} m:\n", travel.positions[0], travel.positions[samples - 1]);
+            text +=
+                &format!("{samples} samples from {} to {:.4} m:\n", travel.positions[0], travel.positions[samples - 1]);
             peaks(&mut text, &travel.history);
             let last = |list: &[f64]| list.last().copied().unwrap_or(0.0);
             let e = &travel.energy;

@@ -60,10 +60,11 @@ impl StateArguments {
         let mut database = match Database::new(modes, options) {
             Err(StateSpaceError::Order { .. }) => {
                 manifest.warnings.push(
-                    "the positions neither all ascend nor all descend: state_space.mat holds no aligned matrices".into(),
+                    "the positions neither all ascend nor all descend: state_space.mat holds no aligned matrices"
+                        .into(),
                 );
                 let states = modes.iter().map(|m| state_space(m, options)).collect();
-                Database { states, aligned: Vec::new(), leave_one_out: Vec::new(), options }
+                Database { states, aligned: Vec::new(), leave_one_out: Vec::new(), options, free: 0 }
             }
             made => made?,
         };

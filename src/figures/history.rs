@@ -34,7 +34,8 @@ pub fn draw_history(path: &Path, heading: &str, history: &History, outputs: &[St
     let margin = 0.05 * (high - low).max(f64::MIN_POSITIVE);
     let y = Scale::linear(low - margin, high + margin);
     let labels = ["Time [s]".to_owned(), format!("Displacement [{unit}]")];
-    save(path, heading, &labels, &x, &series, outputs, y)
+    let across = Scale::linear(0.0, history.step * history.samples() as f64);
+    save(path, heading, &labels, &x, &series, outputs, [across, y])
 }
 
 /// Draws the magnitudes of all outputs at one position of a map over frequency (figure 10).
@@ -47,7 +48,8 @@ pub fn draw_spectrum(path: &Path, heading: &str, map: &ComplianceMap, position: 
     let (low, high) = range(&name(path), &map.frequencies, &series)?;
     let y = Scale::logarithmic(low.max(SPAN * high) / 1.2, 1.2 * high);
     let labels = [FREQUENCY_LABEL.to_owned(), "|H| [µm/N]".to_owned()];
-    save(path, heading, &labels, &map.frequencies, &series, &map.outputs, y)
+    let across = Scale::linear(map.frequencies[0], map.frequencies[map.frequencies.len() - 1]);
+    save(path, heading, &labels, &map.frequencies, &series, &map.outputs, [across, y])
 }
 
 fn name(path: &Path) -> String {
@@ -81,12 +83,12 @@ fn save(
     x: &[f64],
     series: &[Vec<f64>],
     names: &[String],
-    y: Scale,
+    [across, y]: [Scale; 2],
 ) -> Result<(), FigureError> {
     let font = Typeface::bundled();
     let mut canvas = Canvas::new(WIDTH, HEIGHT);
     let widest = names.iter().map(|n| font.width(n, SMALL)).fold(0.0, f64::max);
-    let frame = Frame::new(&font, HEIGHT, Scale::linear(x[0], x[x.len() - 1]), y, 110.0 + widest);
+    let frame = Frame::new(&font, HEIGHT, across, y, 110.0 + widest);
     frame.grid(&mut canvas);
     for (i, values) in series.iter().enumerate() {
         let points = thinned(&frame, x, values);

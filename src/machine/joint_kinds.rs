@@ -1,12 +1,12 @@
 //! The kinds of joint, each from the keys of its own.
 
 use super::axis::{are_parallel, read_direction, read_point};
+use super::contact::{read_backlash, read_friction};
 use super::error::MachineError;
 use super::interfaces::read_interface_ref;
 use super::joints::{Surroundings, read_between};
 use super::model::{Contact, Joint, JointKind, JointPoint, Motion, Spring, SpringStiffness, SurfaceCoupling};
 use super::quantity::Dimension;
-use super::contact::{read_backlash, read_friction};
 use super::springs::{Way, global_ways, read_damper, read_single_spring, read_springs};
 use super::table::{Bound, Table};
 

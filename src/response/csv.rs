@@ -70,7 +70,7 @@ pub fn read_force_file(file: &File, forces: &mut Forces) -> Result<(), ResponseE
         let mut at = 0;
         for k in 0..forces.samples() {
             let time = forces.time(k);
-            while at + 1 < table.rows.len() && table.rows[at + 1].1[0] < time {
+            while at + 2 < table.rows.len() && table.rows[at + 1].1[0] < time {
                 at += 1;
             }
             let Some((_, after)) = table.rows.get(at + 1) else { break };

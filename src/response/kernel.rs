@@ -1,10 +1,10 @@
-//! The recursions with modes across the lanes, dispatched at run time on what the processor has.
+//! The recursions with modes across the lanes and a stretch of samples at a time, dispatched at run time on what the processor has.
 
 use super::{Forces, Plant, Recording};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Modes are padded to a multiple of the widest vector.
-const LANES: usize = 8;
+/// Modes are padded to a multiple of two of the widest vectors.
+const LANES: usize = 16;
 
 /// One output row: what it adds up of displacements or rates.
 struct Term {
@@ -31,7 +31,8 @@ impl Coefficients {
         let n = plant.omega.len();
         let padded = n.next_multiple_of(LANES).max(LANES);
         let steps = plant.steps(step);
-        let pad = |of: &dyn Fn(usize) -> f64| (0..padded).map(|r| if r < n { of(r) } else { 0.0 }).collect::<Vec<f64>>();
+        let pad =
+            |of: &dyn Fn(usize) -> f64| (0..padded).map(|r| if r < n { of(r) } else { 0.0 }).collect::<Vec<f64>>();
         let n_outputs = plant.outputs.nrows();
         let mut terms = Vec::new();
         let mut direct = Vec::new();
@@ -99,6 +100,12 @@ impl Run<'_> {
     }
 }
 
+/// Samples that one pair of vectors of modes goes through before the next pair: their sums stay in the
+/// first cache, and a mode's numbers are read once for all of them.
+const CHUNK: usize = 64;
+/// Vectors of modes side by side, so that one recursion need not wait for the other.
+const WIDE: usize = 2;
+
 impl WithSimd for Run<'_> {
     type Output = [Vec<f64>; 2];
 
@@ -106,54 +113,91 @@ impl WithSimd for Run<'_> {
     #[expect(clippy::needless_range_loop, reason = "closures would not be compiled for the processor that was found")]
     fn with_simd<S: Simd>(self, simd: S) -> [Vec<f64>; 2] {
         let Run { coefficients: c, forces, out } = self;
-        let [a, b, d, e, from_q, to_q, from_v, to_v] = c.step.each_ref().map(|v| S::as_simd_f64s(v).0);
+        let step = c.step.each_ref().map(|v| S::as_simd_f64s(v).0);
         let inputs: Vec<&[S::f64s]> = c.inputs.iter().map(|v| S::as_simd_f64s(v).0).collect();
         let terms: Vec<(usize, bool, &[S::f64s])> =
             c.terms.iter().map(|t| (t.row, t.of_rate, S::as_simd_f64s(&t.weights).0)).collect();
-        let (n, n_inputs) = (a.len(), inputs.len());
+        let (n, n_inputs, n_terms) = (step[0].len(), inputs.len(), terms.len());
         let zero = simd.splat_f64s(0.0);
         let (mut q, mut v, mut p) = (vec![zero; n], vec![zero; n], vec![zero; n]);
-        for (k, (u, y)) in forces.values.chunks_exact(n_inputs).zip(out.chunks_exact_mut(c.rows)).enumerate() {
-            let first = simd.splat_f64s(u[0]);
-            for m in 0..n {
-                let mut now = simd.mul_f64s(inputs[0][m], first);
-                for j in 1..n_inputs {
-                    now = simd.mul_add_f64s(inputs[j][m], simd.splat_f64s(u[j]), now);
-                }
-                let before = p[m];
-                p[m] = now;
-                if k > 0 {
-                    let (x, w) = (q[m], v[m]);
-                    let forced_q = simd.mul_add_f64s(to_q[m], now, simd.mul_f64s(from_q[m], before));
-                    let forced_v = simd.mul_add_f64s(to_v[m], now, simd.mul_f64s(from_v[m], before));
-                    q[m] = simd.mul_add_f64s(a[m], x, simd.mul_add_f64s(b[m], w, forced_q));
-                    v[m] = simd.mul_add_f64s(d[m], x, simd.mul_add_f64s(e[m], w, forced_v));
-                }
+        let mut sums = vec![zero; CHUNK * n_terms];
+        for m in 0..n {
+            for j in 0..n_inputs {
+                p[m] = simd.mul_add_f64s(inputs[j][m], simd.splat_f64s(forces.values[j]), p[m]);
             }
-            for t in 0..terms.len() {
-                let (row, of_rate, weights) = terms[t];
-                let state = if of_rate { &v } else { &q };
-                // Two sums, so that one addition need not wait for the other.
-                let (mut even, mut odd) = (zero, zero);
-                let mut m = 0;
-                while m + 1 < n {
-                    even = simd.mul_add_f64s(weights[m], state[m], even);
-                    odd = simd.mul_add_f64s(weights[m + 1], state[m + 1], odd);
-                    m += 2;
+        }
+        // From rest: the first sample has no motion of the modes.
+        let (first, rest) = out.split_at_mut(c.rows);
+        accelerate(c, &forces.values[..n_inputs], first);
+        for (u, y) in forces.values[n_inputs..].chunks(CHUNK * n_inputs).zip(rest.chunks_mut(CHUNK * c.rows)) {
+            let samples = u.len() / n_inputs;
+            sums.fill(zero);
+            let mut m = 0;
+            while m < n {
+                let [a, b, d, e, from_q, to_q, from_v, to_v] =
+                    step.map(|s| -> [S::f64s; WIDE] { std::array::from_fn(|w| s[m + w]) });
+                let mut x: [S::f64s; WIDE] = std::array::from_fn(|w| q[m + w]);
+                let mut r: [S::f64s; WIDE] = std::array::from_fn(|w| v[m + w]);
+                let mut before: [S::f64s; WIDE] = std::array::from_fn(|w| p[m + w]);
+                for k in 0..samples {
+                    let mut now = [zero; WIDE];
+                    for j in 0..n_inputs {
+                        let u = simd.splat_f64s(u[k * n_inputs + j]);
+                        for w in 0..WIDE {
+                            now[w] = simd.mul_add_f64s(inputs[j][m + w], u, now[w]);
+                        }
+                    }
+                    for w in 0..WIDE {
+                        let forced_q = simd.mul_add_f64s(to_q[w], now[w], simd.mul_f64s(from_q[w], before[w]));
+                        let forced_v = simd.mul_add_f64s(to_v[w], now[w], simd.mul_f64s(from_v[w], before[w]));
+                        let (old, rate) = (x[w], r[w]);
+                        x[w] = simd.mul_add_f64s(a[w], old, simd.mul_add_f64s(b[w], rate, forced_q));
+                        r[w] = simd.mul_add_f64s(d[w], old, simd.mul_add_f64s(e[w], rate, forced_v));
+                        before[w] = now[w];
+                    }
+                    for t in 0..n_terms {
+                        let (_, of_rate, weights) = terms[t];
+                        let mut sum = sums[k * n_terms + t];
+                        for w in 0..WIDE {
+                            sum = simd.mul_add_f64s(weights[m + w], if of_rate { r[w] } else { x[w] }, sum);
+                        }
+                        sums[k * n_terms + t] = sum;
+                    }
                 }
-                if m < n {
-                    even = simd.mul_add_f64s(weights[m], state[m], even);
+                for w in 0..WIDE {
+                    (q[m + w], v[m + w], p[m + w]) = (x[w], r[w], before[w]);
                 }
-                y[row] += simd.reduce_sum_f64s(simd.add_f64s(even, odd));
+                m += WIDE;
             }
-            for i in 0..c.direct.len() {
-                let (row, weights) = (c.direct[i].0, &c.direct[i].1);
-                for j in 0..n_inputs {
-                    y[row] += weights[j] * u[j];
+            rest_if_still(bytemuck::cast_slice_mut(&mut q), bytemuck::cast_slice_mut(&mut v));
+            for k in 0..samples {
+                let y = &mut y[k * c.rows..][..c.rows];
+                for t in 0..n_terms {
+                    y[terms[t].0] += simd.reduce_sum_f64s(sums[k * n_terms + t]);
                 }
+                accelerate(c, &u[k * n_inputs..][..n_inputs], y);
             }
         }
         let plain = |x: &[S::f64s]| bytemuck::cast_slice::<S::f64s, f64>(x)[..c.n_modes].to_vec();
         [plain(&q), plain(&v)]
+    }
+}
+
+/// Motions this small are none: a mode that has rung down would else run into subnormal numbers, which cost
+/// a hundred times as much.
+const STILL: f64 = 1e-200;
+
+fn rest_if_still(q: &mut [f64], v: &mut [f64]) {
+    for (q, v) in q.iter_mut().zip(v) {
+        if q.abs() < STILL && v.abs() < STILL {
+            (*q, *v) = (0.0, 0.0);
+        }
+    }
+}
+
+/// The forces' own share of the accelerations.
+fn accelerate(c: &Coefficients, u: &[f64], y: &mut [f64]) {
+    for (row, weights) in &c.direct {
+        y[*row] += weights.iter().zip(u).map(|(w, u)| w * u).sum::<f64>();
     }
 }

@@ -20,9 +20,10 @@
 
 use super::{Forces, History, Plant, ResponseError};
 use crate::frf::{ComplianceMap, Quantity};
+use crate::state_space::ModeStep;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
+use realfft::{RealFftPlanner, RealToComplex};
 use std::f64::consts::{PI, TAU};
 
 /// Share of the force's largest spectral line below which a frequency counts as a zero of the pulse.
@@ -66,9 +67,9 @@ impl Signal {
     }
 
     /// Exact transform of the straight lines at the lines of the spectrum (N s), and the plain sum h sum s_k z^-k.
-    fn transforms(&self, step: f64) -> (Vec<Complex<f64>>, Vec<Complex<f64>>) {
+    fn transforms(&self, plan: &dyn RealToComplex<f64>, step: f64) -> (Vec<Complex<f64>>, Vec<Complex<f64>>) {
         let n = self.samples.len();
-        let plain: Vec<Complex<f64>> = transform(&self.samples).into_iter().map(|v| v * step).collect();
+        let plain: Vec<Complex<f64>> = transform(plan, &self.samples).into_iter().map(|v| v * step).collect();
         let exact = plain.iter().enumerate().map(|(k, v)| {
             let theta = TAU * k as f64 / n as f64;
             let half = 0.5 * theta;
@@ -86,8 +87,7 @@ impl Signal {
 }
 
 /// sum_k x_k e^(-j 2 pi k m / n), m = 0 .. n/2.
-fn transform(x: &[f64]) -> Vec<Complex<f64>> {
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(x.len());
+fn transform(plan: &dyn RealToComplex<f64>, x: &[f64]) -> Vec<Complex<f64>> {
     let (mut input, mut output) = (x.to_vec(), plan.make_output_vec());
     plan.process(&mut input, &mut output).expect("buffers made by the plan");
     output.into_iter().map(|c| Complex::new(c.re, c.im)).collect()
@@ -106,8 +106,9 @@ pub fn spectra(
     highest: f64,
 ) -> Result<ComplianceMap, ResponseError> {
     let signal = Signal::of(forces)?;
-    let (exact, plain) = signal.transforms(forces.step);
     let samples = forces.samples();
+    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(samples);
+    let (exact, plain) = signal.transforms(plan.as_ref(), forces.step);
     let width = 1.0 / (samples as f64 * forces.step);
     let largest = exact.iter().map(|v| v.norm()).fold(0.0, f64::max);
     let lines: Vec<usize> = (0..exact.len())
@@ -119,9 +120,10 @@ pub fn spectra(
     if lines.is_empty() {
         return Err(ResponseError::Spectrum(format!("no line of width {width} Hz up to {highest} Hz is left")));
     }
-    let values = plants.par_iter().zip(histories).flat_map_iter(|(plant, history)| {
-        position(plant, history, &signal, &lines, &exact, &plain)
-    });
+    let values = plants
+        .par_iter()
+        .zip(histories)
+        .flat_map_iter(|(plant, history)| position(plan.as_ref(), plant, history, &signal, &lines, [&exact, &plain]));
     let values: Vec<Complex<f64>> = values.collect();
     let excited: Vec<&str> =
         forces.inputs.iter().zip(&signal.weights).filter(|(_, w)| **w != 0.0).map(|(n, _)| n.as_str()).collect();
@@ -137,12 +139,12 @@ pub fn spectra(
 
 /// `[line, output]` at one position.
 fn position(
+    plan: &dyn RealToComplex<f64>,
     plant: &Plant,
     history: &History,
     signal: &Signal,
     lines: &[usize],
-    exact: &[Complex<f64>],
-    plain: &[Complex<f64>],
+    [exact, plain]: [&[Complex<f64>]; 2],
 ) -> Vec<Complex<f64>> {
     let (step, n) = (history.step, history.samples());
     let steps = plant.steps(step);
@@ -151,22 +153,19 @@ fn position(
         .collect();
     let mut sums: Vec<Complex<f64>> = vec![Complex::default(); lines.len() * history.n_outputs];
     for i in 0..history.n_outputs {
-        let of_record = transform(&history.output(i));
+        let of_record = transform(plan, &history.output(i));
         for (at, &k) in lines.iter().enumerate() {
             sums[at * history.n_outputs + i] = of_record[k] * step - plain[k] * direct[i];
         }
     }
     let [q, v] = &history.last;
+    let rings: Vec<Ring> = steps.iter().zip(q.iter().zip(v)).map(|(s, (q, v))| Ring::new(s, *q, *v)).collect();
     for (at, &k) in lines.iter().enumerate() {
         let inverse = Complex::new(0.0, -2.0 * PI * k as f64 / n as f64).exp();
         let mut tail: Vec<Complex<f64>> = vec![Complex::default(); history.n_outputs];
-        for (r, s) in steps.iter().enumerate() {
-            let [[a, b], [c, d]] = s.phi;
-            let (x, y) = (a * q[r] + b * v[r], c * q[r] + d * v[r]);
-            // First component of (I - Phi / z)^-1 [x, y].
-            let determinant = (Complex::from(1.0) - inverse * a) * (Complex::from(1.0) - inverse * d)
-                - inverse * inverse * (b * c);
-            let first = ((Complex::from(1.0) - inverse * d) * x + inverse * (b * y)) / determinant;
+        let square = inverse * inverse;
+        for (r, s) in rings.iter().enumerate() {
+            let first = s.first(inverse, square);
             for (i, t) in tail.iter_mut().enumerate() {
                 *t += first * plant.outputs[(i, r)];
             }
@@ -178,6 +177,27 @@ fn position(
         }
     }
     sums
+}
+
+/// A mode that rings on: the displacement of (I - Phi / z)^-1 Phi [q, v] as a fraction in 1/z.
+struct Ring {
+    constant: f64,
+    linear: f64,
+    trace: f64,
+    determinant: f64,
+}
+
+impl Ring {
+    fn new(step: &ModeStep, q: f64, v: f64) -> Self {
+        let [[a, b], [c, d]] = step.phi;
+        let (x, y) = (a * q + b * v, c * q + d * v);
+        Self { constant: x, linear: b * y - d * x, trace: a + d, determinant: a * d - b * c }
+    }
+
+    fn first(&self, inverse: Complex<f64>, square: Complex<f64>) -> Complex<f64> {
+        let den = Complex::from(1.0) - inverse * self.trace + square * self.determinant;
+        (inverse * self.linear + self.constant) * den.conj() / den.norm_sqr()
+    }
 }
 
 /// The same response from the modes themselves: L (omega_r^2 - omega^2 + 2 j zeta_r omega_r omega)^-1 R^T w + D w.
@@ -198,7 +218,12 @@ pub fn modal_response(plant: &Plant, weights: &[f64], frequency: f64) -> Vec<Com
 
 /// Largest difference between spectra by way of time and the modal sum from `lowest` Hz up, as a
 /// share of each output's peak over the frequencies at its position.
-pub fn difference_to_modes(map: &ComplianceMap, plants: &[Plant], forces: &Forces, lowest: f64) -> Result<f64, ResponseError> {
+pub fn difference_to_modes(
+    map: &ComplianceMap,
+    plants: &[Plant],
+    forces: &Forces,
+    lowest: f64,
+) -> Result<f64, ResponseError> {
     let signal = Signal::of(forces)?;
     let one = |(p, plant): (usize, &Plant)| {
         let mut largest = vec![0.0f64; map.outputs.len()];

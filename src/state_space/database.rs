@@ -49,12 +49,16 @@ pub struct Database {
     pub leave_one_out: Vec<Option<f64>>,
     /// What the states are.
     pub options: StateSpaceOptions,
+    /// Free motions among the aligned coordinates: all, if a port feels one, or none.
+    pub free: usize,
 }
 
 /// Modes beyond those asked for that the aligned coordinates may carry.
 const MARGIN: std::ops::RangeInclusive<usize> = 4..=16;
 /// Positions that take part in an interpolation.
-const POINTS: usize = 4;
+const POINTS: usize = 8;
+/// How much rougher than the smoothest window the centred one must be to be given up.
+const KINK: f64 = 20.0;
 
 impl Database {
     /// A database of the positions' modes, which must be in the order of the positions.
@@ -73,12 +77,16 @@ impl Database {
         let n = modes.iter().map(|m| m.eigenvalues.len() - m.free).min().unwrap_or(0);
         let carried = carried_modes(modes, options.modes, n);
         let states = modes.iter().map(|m| state_space(m, options)).collect();
-        let mut database = Self { states, aligned: align(modes, carried)?, leave_one_out: Vec::new(), options };
+        let felt = modes.iter().any(|m| (0..m.free).any(|r| m.is_felt(r)));
+        let free = if felt { modes.iter().map(|m| m.free).max().unwrap_or(0) } else { 0 };
+        let aligned = align(modes, carried, felt)?;
+        let mut database = Self { states, aligned, leave_one_out: Vec::new(), options, free };
         let loo = |k: usize| {
             let inside = k > 0 && k + 1 < positions.len() && positions.len() > POINTS;
-            inside.then(|| database.interpolate_without(positions[k], Some(k))).transpose().map(|found| {
-                found.map(|found| receptance_difference(&found, &database.states[k]))
-            })
+            inside
+                .then(|| database.interpolate_without(positions[k], Some(k)))
+                .transpose()
+                .map(|found| found.map(|found| receptance_difference(&found, &database.states[k])))
         };
         let figures = (0..positions.len()).into_par_iter().map(loo).collect::<Result<_, _>>()?;
         database.leave_one_out = figures;
@@ -106,12 +114,12 @@ impl Database {
 
     /// The system at any position between the first and the last, by aligned subspaces.
     ///
-    /// Four positions around it, entries by Lagrange's cubic, the modes asked for from the eigenproblem
+    /// Eight positions around it on the smoothest side, entries by Lagrange's polynomial, the modes asked for from the eigenproblem
     /// of the interpolated stiffness, and D so that the compliance at 0 Hz is the interpolated one.
     ///
     /// # Errors
     /// [`StateSpaceError::Outside`]; [`StateSpaceError::Eigen`] if the interpolated stiffness is not
-    /// finite.
+    /// finite, [`StateSpaceError::Negative`] if it is not positive: the stations are too far apart.
     ///
     /// # Accuracy
     /// Stored with the database as [`Self::leave_one_out`], which has twice the spacing around it.
@@ -134,11 +142,7 @@ impl Database {
     }
 
     fn interpolate_without(&self, position: f64, left_out: Option<usize>) -> Result<StateSpace, StateSpaceError> {
-        let mut near: Vec<usize> = (0..self.aligned.len()).filter(|k| Some(*k) != left_out).collect();
-        let distance = |k: &usize| (self.aligned[*k].position - position).abs();
-        near.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        near.truncate(POINTS);
-        near.sort_unstable();
+        let near = self.stencil(position, left_out);
         let at = |k: usize| self.aligned[k].position;
         let weights: Vec<f64> = near
             .iter()
@@ -151,9 +155,11 @@ impl Database {
         let stiffness = blend(|a| &a.stiffness);
         let eigen = symmetric_eigen(&(0.5 * (&stiffness + stiffness.transpose())))
             .map_err(|source| StateSpaceError::Eigen { position, source })?;
-        let rounding = 1e-12 * eigen.values.amax();
-        let values: Vec<f64> = eigen.values.iter().map(|l| if l.abs() < rounding { 0.0 } else { l.max(0.0) }).collect();
-        let free = values.iter().take_while(|l| **l == 0.0).count();
+        let free = self.free;
+        let values: Vec<f64> = eigen.values.iter().enumerate().map(|(r, l)| if r < free { 0.0 } else { *l }).collect();
+        if let Some(&eigenvalue) = values[free.min(values.len())..].iter().find(|l| **l <= 0.0) {
+            return Err(StateSpaceError::Negative { position, eigenvalue });
+        }
         let damping = multiply_transposed(&eigen.vectors, &(blend(|a| &a.damping) * &eigen.vectors));
         let ratio = |r: usize| if r < free { 0.0 } else { damping[(r, r)] / (2.0 * values[r].sqrt()) };
         let outputs = blend(|a| &a.outputs) * &eigen.vectors;
@@ -177,6 +183,36 @@ impl Database {
     }
 }
 
+impl Database {
+    /// The positions that take part at a position: of the windows around it the one over which the
+    /// compliance at 0 Hz is smoothest, so that a place where the machine is not smooth (a carriage that
+    /// begins to leave its rail) is not interpolated across.
+    fn stencil(&self, position: f64, left_out: Option<usize>) -> Vec<usize> {
+        let all: Vec<usize> = (0..self.aligned.len()).filter(|k| Some(*k) != left_out).collect();
+        if all.len() <= POINTS {
+            return all;
+        }
+        let (first, last) = self.ends();
+        let along = |p: f64| if last < first { -p } else { p };
+        let after = all.iter().position(|&k| along(self.aligned[k].position) >= along(position));
+        let interval = after.unwrap_or(all.len() - 1).clamp(1, all.len() - 1) - 1;
+        let starts = (interval + 2).saturating_sub(POINTS)..=interval.min(all.len() - POINTS);
+        let rough = |start: &usize| {
+            let window = &all[*start..*start + POINTS];
+            let at = |k: usize| self.aligned[k].position;
+            // Highest divided difference.
+            let weight = |k: usize| window.iter().filter(|o| **o != k).map(|&o| 1.0 / (at(k) - at(o))).product::<f64>();
+            let parts = window.iter().map(|&k| &self.aligned[k].compliance * weight(k));
+            parts.reduce(|a, b| a + b).map_or(0.0, |m| m.norm())
+        };
+        let centred = (interval + 1).saturating_sub(POINTS / 2).min(all.len() - POINTS);
+        let smoothest = starts.min_by(|a, b| rough(a).total_cmp(&rough(b))).unwrap_or(centred);
+        // A window aside extrapolates more: it must be worth it.
+        let start = if rough(&centred) > KINK * rough(&smoothest) { smoothest } else { centred };
+        all[start..start + POINTS].to_vec()
+    }
+}
+
 /// How many elastic modes to carry: within the margin, where the gap above the last one is widest over
 /// all positions.
 fn carried_modes(modes: &[Modes], asked: usize, most: usize) -> usize {
@@ -189,12 +225,11 @@ fn carried_modes(modes: &[Modes], asked: usize, most: usize) -> usize {
 }
 
 /// Turns the modes of each position to those of the one before.
-fn align(modes: &[Modes], carried: usize) -> Result<Vec<Aligned>, StateSpaceError> {
-    let felt_free = modes.iter().any(|m| (0..m.free).any(|r| m.is_felt(r)));
+fn align(modes: &[Modes], carried: usize, felt: bool) -> Result<Vec<Aligned>, StateSpaceError> {
     let mut out = Vec::with_capacity(modes.len());
     let mut turned: Option<DMatrix<f64>> = None;
     for m in modes {
-        let first = if felt_free { 0 } else { m.free };
+        let first = if felt { 0 } else { m.free };
         let kept: Vec<usize> = (first..(m.free + carried).min(m.eigenvalues.len())).collect();
         let shapes = m.shapes.select_columns(&kept);
         let turn = match &turned {

@@ -47,6 +47,17 @@ pub enum StateSpaceError {
         /// Position, m.
         position: f64,
     },
+    /// The interpolated stiffness is not positive.
+    #[error(
+        "between positions, at {position} m, the interpolated stiffness has the eigenvalue {eigenvalue:.3e} (rad/s)^2; \
+         the stations are too far apart: make the axis's step smaller"
+    )]
+    Negative {
+        /// Position, m.
+        position: f64,
+        /// Eigenvalue, (rad/s)^2.
+        eigenvalue: f64,
+    },
     /// The interpolated stiffness has no modes.
     #[error("between positions, at {position} m: {source}")]
     Eigen {

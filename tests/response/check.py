@@ -118,9 +118,9 @@ def aligned(database_path, system_path):
 
 
 def shapes(path, _):
-    """Five positions, thirty modes, three outputs with velocities and accelerations, discretised."""
+    """Eleven positions, thirty modes, three outputs with velocities and accelerations, discretised."""
     file = loadmat(path)
-    assert file["states"].shape == (1, 5) and file["states"].dtype.names == (
+    assert file["states"].shape == (1, 11) and file["states"].dtype.names == (
         "position", "A", "B", "C", "D", "eigenvalues", "eigenvectors", "damping",
     )
     expected = [(1, 1), (60, 60), (60, 3), (9, 60), (9, 3), (30, 1), (30, 3), (30, 1)]
@@ -133,7 +133,7 @@ def shapes(path, _):
     assert rows == [f"{q} {o}" for q in ("displacement", "velocity", "acceleration") for o in "xyz"]
     a = file["aligned"][0, 0]
     n = a["stiffness"].shape[1]
-    assert a["stiffness"].shape == (5, n, n) and a["inputs"].shape == (5, n, 3) and a["outputs"].shape == (5, 3, n)
+    assert a["stiffness"].shape == (11, n, n) and a["inputs"].shape == (11, n, 3) and a["outputs"].shape == (11, 3, n)
     loo = file["leave_one_out"].ravel()
     assert np.isnan(loo[[0, -1]]).all() and (loo[1:-1] > 0).all() and (loo[1:-1] < 1e-2).all()
     return 0.0

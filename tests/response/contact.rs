@@ -124,7 +124,15 @@ fn stribeck_friction_slows_a_mass_as_its_integral_says() {
         let n = 2000;
         let h = (v0 - v1) / f64::from(n);
         let g = |k: i32| mass.m / friction.at(v1 + h * f64::from(k));
-        let weight = |k: i32| if k == 0 || k == n { 1.0 } else if k % 2 == 1 { 4.0 } else { 2.0 };
+        let weight = |k: i32| {
+            if k == 0 || k == n {
+                1.0
+            } else if k % 2 == 1 {
+                4.0
+            } else {
+                2.0
+            }
+        };
         (0..=n).map(|k| weight(k) * g(k)).sum::<f64>() * h / 3.0
     };
     let error = |rate: f64| {
@@ -196,13 +204,21 @@ fn two_joints_that_share_a_mass_hold_together() {
         let forces = nothing(0.2, 1000.0);
         simulate_contact(&mass.plant(), elements, &forces, Recording::default(), Some(state), &Interrupt::default())
     };
-    let both = run(&elements);
-    // The two rows are parallel: once both stick, their shares are not determined, and that is said.
-    match both {
-        Ok(run) => {
-            let place = run.history.displacement[199];
-            assert!((place - 0.25 / 22.0).abs() < 1e-12, "{place}");
-        }
-        Err(error) => assert!(error.to_string().contains("common state"), "{error}"),
-    }
+    let both = run(&elements).unwrap();
+    let (place, stop) = (0.25 / 22.0, 0.5 / 11.0);
+    assert!((both.history.displacement[199] - place).abs() < 1e-12, "{}", both.history.displacement[199]);
+    assert!(both.events.iter().all(|e| (e.time - stop).abs() < 1e-9), "{:?}", both.events);
+    let one = run(&elements[..1]).unwrap();
+    assert!((one.history.displacement[199] - 0.25 / 8.0).abs() < 1e-12, "control: one of them alone");
+    // Pushed with 9 N, of which neither holds more than its own, both hold.
+    let mut push = nothing(0.1, 1000.0);
+    push.values.iter_mut().for_each(|f| *f = 9.0);
+    let still = simulate_contact(&mass.plant(), &elements, &push, Recording::default(), None, &Interrupt::default());
+    let still = still.unwrap();
+    assert!(still.history.displacement[99].abs() < 1e-9, "{}", still.history.displacement[99]);
+    let shares = &still.tension[still.tension.len() - 2..];
+    assert!((shares[0] + shares[1] - 9.0).abs() < 1e-9 && shares[0] <= 4.0 + 1e-9 && shares[1] <= 7.0, "{shares:?}");
+    push.values.iter_mut().for_each(|f| *f = 12.0);
+    let slides = simulate_contact(&mass.plant(), &elements, &push, Recording::default(), None, &Interrupt::default());
+    assert!(slides.unwrap().history.displacement[99] > 1e-3, "control: 12 N are more than both hold");
 }

@@ -109,8 +109,16 @@ fn a_force_file_is_straight_between_its_lines() {
     let mut forces = Forces::none(&names(), 0.006, 2000.0).unwrap();
     read_force_file(&path, &mut forces).unwrap();
     let near = |a: Vec<f64>, b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
-    assert!(near(forces.input(2), &[0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 2.0, 0.0, 0.0, 0.0, 0.0]), "{:?}", forces.input(2));
-    assert!(near(forces.input(0), &[0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]), "{:?}", forces.input(0));
+    assert!(
+        near(forces.input(2), &[0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 2.0, 0.0, 0.0, 0.0, 0.0]),
+        "{:?}",
+        forces.input(2)
+    );
+    assert!(
+        near(forces.input(0), &[0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
+        "{:?}",
+        forces.input(0)
+    );
 }
 
 #[test]

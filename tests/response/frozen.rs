@@ -7,7 +7,8 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::response::{Forces, Plant, Recording, parse_force, simulate, simulate_all};
 use stiffmap::state_space::{Database, Hold, StateSpace, StateSpaceOptions, discretise, state_space};
 
-const EVERYTHING: StateSpaceOptions = StateSpaceOptions { modes: 30, velocity: true, acceleration: true, residual: true };
+const EVERYTHING: StateSpaceOptions =
+    StateSpaceOptions { modes: 30, velocity: true, acceleration: true, residual: true };
 const ALL: Recording = Recording { velocity: true, acceleration: true };
 
 /// A chirp, noise and an impulse at once.
@@ -32,7 +33,9 @@ fn the_response_is_lsims_and_the_matrix_exponentials_to_1e_9_of_the_peak() {
     let forces = forces(0.25);
     let found = simulate(&Plant::of_state_space(&system), &forces, ALL);
     let record = folder.path().join("history.mat");
-    let write_record = |h: &stiffmap::response::History| history::write_mat(&record, &[0.0], &[h.clone()], &forces, &names(), None).unwrap();
+    let write_record = |h: &stiffmap::response::History| {
+        history::write_mat(&record, &[0.0], &[h.clone()], &forces, &names(), None).unwrap()
+    };
     write_record(&found);
     let file = write(folder.path(), "system.mat", &system);
     for check in ["lsim", "expm"] {

@@ -10,6 +10,7 @@ mod recursion;
 mod scratch;
 mod spectra;
 
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -35,8 +36,7 @@ fn mill() -> &'static Mill {
         let meshes = pipeline::read_meshes(&machine).unwrap();
         // tests/run.sh names a cache that is empty at the start and shared by the test binaries.
         let cache = std::env::var_os("STIFFMAP_CACHE").map(|c| Cache::in_folder(PathBuf::from(c)));
-        let parts =
-            pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), &Interrupt::default(), &|| ()).unwrap();
+        let parts = pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), &Interrupt::default(), &|| ()).unwrap();
         let parts: Vec<_> = parts.into_iter().map(|p| p.superelement).collect();
         let model = pipeline::build_model(&machine, &parts, 30, 1.5 * 900.0).unwrap().0;
         Mill { machine, model, parts }
@@ -45,6 +45,12 @@ fn mill() -> &'static Mill {
 
 fn modes(position: f64) -> Modes {
     modes_at(&mill().model, &mill().machine.analysis.damping, position, 60).unwrap()
+}
+
+/// The modes at the stations of the travel, 5 mm apart.
+fn all_stations() -> &'static [Modes] {
+    static STATIONS: OnceLock<Vec<Modes>> = OnceLock::new();
+    STATIONS.get_or_init(|| mill().machine.axis.stations().into_par_iter().map(modes).collect())
 }
 
 fn names() -> Vec<String> {

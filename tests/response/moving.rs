@@ -6,13 +6,13 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::response::moving::{PathModel, PathOptions, Travel, TravelOptions, travel};
 use stiffmap::response::{Forces, Path, Plant, Recording, parse_force, simulate};
 
-fn path_model(range: [f64; 2], options: PathOptions) -> PathModel {
+pub(super) fn path_model(range: [f64; 2], options: PathOptions) -> PathModel {
     let damping = &mill().machine.analysis.damping;
     PathModel::new(&mill().model, damping, range, options, &Interrupt::default(), &|| ()).unwrap()
 }
 
 /// 200 Hz, 100 N in x, at a rate.
-fn sine(duration: f64, rate: f64) -> Forces {
+pub(super) fn sine(duration: f64, rate: f64) -> Forces {
     let mut forces = Forces::none(&names(), duration, rate).unwrap();
     forces.add(0, &parse_force("sine,amplitude=100,frequency=200").unwrap());
     forces
@@ -69,7 +69,10 @@ fn along_thirty_metres_a_minute_the_step_enters_to_second_order_and_the_energy_c
 #[test]
 fn a_path_that_rests_is_the_fixed_position() {
     let position = -0.2025;
-    let model = path_model([position - 1e-3, position + 1e-3], PathOptions { band: f64::INFINITY, ..PathOptions::up_to(900.0) });
+    let model = path_model(
+        [position - 1e-3, position + 1e-3],
+        PathOptions { band: f64::INFINITY, ..PathOptions::up_to(900.0) },
+    );
     assert_eq!(model.n(), mill().model.n());
     let path = Path::through(vec![(0.0, position)]).unwrap();
     let mut forces = sine(0.01, 20e3);
@@ -89,18 +92,19 @@ fn a_path_that_rests_is_the_fixed_position() {
 
 #[test]
 fn the_paths_basis_follows_the_whole_fixed_basis() {
-    let range = [-0.3, -0.28];
-    let forces = sine(0.04, 20e3);
-    let path = Path::constant_speed(-0.28, -0.3, 0.5).unwrap();
+    let range = [-0.3, -0.285];
+    let forces = sine(0.03, 20e3);
+    let path = Path::constant_speed(-0.285, -0.3, 0.5).unwrap();
     let reduced = path_model(range, PathOptions::up_to(900.0));
     let whole = path_model(range, PathOptions { band: f64::INFINITY, ..PathOptions::up_to(900.0) });
-    let hold = TravelOptions { hold: 40, ..TravelOptions::default() };
+    let hold = TravelOptions { hold: 20, ..TravelOptions::default() };
     let go = |model: &PathModel| travel(model, &path, &forces, hold, &Interrupt::default(), &|| ()).unwrap();
-    let found = apart(&go(&reduced).history.displacement, &go(&whole).history.displacement);
+    let expected = go(&whole).history.displacement;
+    let found = apart(&go(&reduced).history.displacement, &expected);
     println!("{} of {} coordinates: {found:.1e} of the peak", reduced.n(), whole.n());
-    assert!(found < 1e-4, "{found:.1e}");
+    assert!(found < 2e-4, "{found:.1e}");
     let narrow = path_model(range, PathOptions { band: 150.0, ..PathOptions::up_to(900.0) });
-    assert!(apart(&go(&narrow).history.displacement, &go(&whole).history.displacement) > 1e-3, "control");
+    assert!(apart(&go(&narrow).history.displacement, &expected) > 1e-3, "control");
 }
 
 /// z'' + C z' + K(p) z = f by the classical Runge-Kutta method in small steps, with all works as further unknowns.
@@ -115,13 +119,14 @@ fn runge_kutta(model: &PathModel, path: &Path, force: impl Fn(f64) -> f64, time:
         &eigen.eigenvectors * d * eigen.eigenvectors.transpose()
     };
     let local = |t: f64| model.at(path.at(t));
-    let rate = |t: f64, z: &DVector<f64>, v: &DVector<f64>, m: &(DMatrix<f64>, DMatrix<f64>, DMatrix<f64>, DVector<f64>)| {
-        let (k, c, change, input) = m;
-        let f = input * force(t);
-        let damping = c * v;
-        let work = [f.dot(v), damping.dot(v), 0.5 * z.dot(&(change * z))];
-        (v.clone(), &f - &damping - k * z, work)
-    };
+    let rate =
+        |t: f64, z: &DVector<f64>, v: &DVector<f64>, m: &(DMatrix<f64>, DMatrix<f64>, DMatrix<f64>, DVector<f64>)| {
+            let (k, c, change, input) = m;
+            let f = input * force(t);
+            let damping = c * v;
+            let work = [f.dot(v), damping.dot(v), 0.5 * z.dot(&(change * z))];
+            (v.clone(), &f - &damping - k * z, work)
+        };
     let matrices = |t: f64| {
         let d = 1e-5;
         let l = local(t);
@@ -170,7 +175,8 @@ fn each_energy_is_that_of_a_runge_kutta_solution_of_the_continuous_problem() {
 fn a_path_outside_the_travel_is_refused_and_stopping_is_obeyed() {
     let damping = &mill().machine.analysis.damping;
     let options = PathOptions::up_to(900.0);
-    let error = PathModel::new(&mill().model, damping, [-0.7, -0.5], options, &Interrupt::default(), &|| ()).unwrap_err();
+    let error =
+        PathModel::new(&mill().model, damping, [-0.7, -0.5], options, &Interrupt::default(), &|| ()).unwrap_err();
     assert!(error.is_input() && error.to_string().contains("outside the travel"), "{error}");
     let asked = Interrupt::default();
     asked.request();

@@ -25,8 +25,7 @@ fn the_impulse_responses_spectrum_is_the_map_to_a_thousandth_of_the_peak() {
     let (systems, _) = modal_systems(&solved, 900.0, Selection::Controlled { tolerance: 1e-4 }).unwrap();
     for (shape, inputs) in [("half-sine", vec![0, 1, 2]), ("rectangle", vec![0, 1, 2]), ("triangle", vec![0])] {
         let forces = impulse(shape, &inputs, 1.0);
-        let histories =
-            simulate_all(&plants, &forces, Recording::default(), &Interrupt::default(), &|| ()).unwrap();
+        let histories = simulate_all(&plants, &forces, Recording::default(), &Interrupt::default(), &|| ()).unwrap();
         let found = spectra(&plants, &histories, &forces, &names(), 900.0).unwrap();
         assert_eq!(found.frequencies.len(), 900);
         let request = FrfRequest {

@@ -302,17 +302,24 @@ impl Stepper<'_> {
         })
     }
 
-    /// The first place inside a step where a joint that slides comes to rest, with its tension as it slides.
+    /// The first place inside a step where a joint that slides comes to rest. Until then all that slide go on.
     fn reversal(&self, solution: &Solution, time: f64, from: &[f64], to: &[f64]) -> Option<(usize, f64)> {
-        let mut first: Option<(usize, f64)> = None;
+        let mut lambda = solution.lambda.as_slice().to_vec();
+        let mut turning = Vec::new();
         for (i, element) in self.elements.iter().enumerate() {
-            let (Law::Friction(f), Branch::Slides(s)) = (&element.law, self.branches[i]) else { continue };
-            if solution.branches[i] == Branch::Slides(s) {
-                continue;
+            if let (Law::Friction(f), Branch::Slides(s)) = (&element.law, self.branches[i])
+                && solution.branches[i] != Branch::Slides(s)
+            {
+                let speed = self.seen(i, &self.q, &self.v);
+                lambda[i] = f64::from(s) * 0.5 * (f.at(speed.abs()) + f.at(0.0));
+                turning.push((i, f64::from(s), speed));
             }
-            let speed = self.seen(i, &self.q, &self.v);
-            let mut lambda = solution.lambda.as_slice().to_vec();
-            lambda[i] = f64::from(s) * 0.5 * (f.at(speed.abs()) + f.at(0.0));
+        }
+        let mut first: Option<(usize, f64)> = None;
+        for (i, sign, speed) in turning {
+            if sign * speed <= 0.0 {
+                return Some((i, 0.0));
+            }
             let at = |t: f64| {
                 let until: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + (b - a) * t / time).collect();
                 let now: Vec<f64> = (0..lambda.len())
@@ -322,15 +329,12 @@ impl Stepper<'_> {
                     })
                     .collect();
                 let (q, v) = self.flow(&self.plant.steps(t), from, &until, Some(&now));
-                f64::from(s) * self.seen(i, &q, &v)
+                sign * self.seen(i, &q, &v)
             };
-            let (mut low, mut high) = (0.0, time);
-            if f64::from(s) * speed <= 0.0 {
-                return Some((i, 0.0));
-            }
             if at(time) >= 0.0 {
                 continue;
             }
+            let (mut low, mut high) = (0.0, time);
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);
                 if at(middle) > 0.0 { low = middle } else { high = middle }
@@ -374,7 +378,8 @@ impl Stepper<'_> {
             if let Some(list) = &mut out.history.acceleration {
                 list.push(sum(&|r| {
                     let joints: f64 = self.elements.iter().zip(tension).map(|(e, l)| e.row[r] * l).sum();
-                    self.modal_force(r, u) - joints
+                    self.modal_force(r, u)
+                        - joints
                         - 2.0 * p.zeta[r] * p.omega[r] * self.v[r]
                         - p.omega[r].powi(2) * self.q[r]
                 }));

@@ -34,6 +34,8 @@ pub(super) struct Solution {
 
 /// Rounds of the active set before it is given up.
 const ROUNDS: usize = 200;
+/// Singular values below this share belong to forces that the motion does not determine.
+const SHARED: f64 = 1e-9;
 /// Rounds in which the friction force follows the speed.
 const SPEEDS: usize = 60;
 
@@ -110,14 +112,21 @@ fn linear(
                 right[i] = -stiffness * problem.free[i];
             }
             _ => {
+                // Scaled to forces, so that the rows are alike.
                 for j in 0..n {
-                    matrix[(i, j)] = problem.influence[(i, j)];
+                    matrix[(i, j)] = problem.influence[(i, j)] / problem.influence[(i, i)];
                 }
-                right[i] = problem.free[i];
+                right[i] = problem.free[i] / problem.influence[(i, i)];
             }
         }
     }
-    let lambda = matrix.lu().solve(&right)?;
+    let sticking = branches.iter().filter(|b| **b == Branch::Sticks).count();
+    let lambda = if sticking < 2 {
+        matrix.lu().solve(&right)?
+    } else {
+        // Joints side by side on a stiff part share what holds them: the smallest of the solutions.
+        matrix.svd(true, true).solve(&right, SHARED).ok()?
+    };
     let motion = &problem.free - &problem.influence * &lambda;
     Some((lambda, motion))
 }

@@ -2,7 +2,7 @@
 
 use crate::coupling::CoupledModel;
 use crate::interrupt::Interrupt;
-use crate::linalg::{multiply, multiply_transposed, symmetric_eigen_polished};
+use crate::linalg::{multiply, multiply_transposed, orthonormal_span, symmetric_eigen_polished};
 use crate::machine::Damping;
 use crate::modal::{Modes, modes_at};
 use crate::response::ResponseError;
@@ -237,48 +237,63 @@ fn between(list: &[(f64, DMatrix<f64>)], position: f64) -> DMatrix<f64> {
 }
 
 /// Orthonormal span of the modes up to the band, and of the static rest, at all training positions.
+///
+/// What may be cut is measured with M + K / omega_b^2 of the middle position: a direction with little motion
+/// may still be stiff, and a mode without its small stiff part is too stiff by far.
 fn span(model: &CoupledModel, trained: &[Modes], options: PathOptions) -> Result<DMatrix<f64>, ResponseError> {
     let n = model.n();
-    let mut gram = DMatrix::zeros(n, n);
     let limit = (TAU * options.band).powi(2);
-    let mut whole = false;
-    for modes in trained {
-        let kept = modes.eigenvalues.iter().take_while(|l| **l <= limit).count().max(modes.free);
-        whole |= kept == n;
-        let shapes = modes.shapes.columns(0, kept).transpose();
-        gram += multiply_transposed(&shapes, &shapes);
-        if kept < n {
-            let rest = static_rest(modes, kept);
-            gram += multiply(&rest, &rest.transpose());
-        }
-    }
-    if whole {
+    let kept = |m: &Modes| m.eigenvalues.iter().take_while(|l| **l <= limit).count().max(m.free);
+    if trained.iter().any(|m| kept(m) == n) {
         return Ok(DMatrix::identity(n, n));
     }
-    let eigen = symmetric_eigen_polished(&gram, 0).map_err(|source| dense(trained[0].position, source))?;
+    let middle = &trained[trained.len() / 2];
+    let weights: Vec<f64> = middle.eigenvalues.iter().map(|l| (1.0 + l / limit).sqrt()).collect();
+    let mut gram = DMatrix::zeros(n, n);
+    for modes in trained {
+        let shapes = modes.shapes.columns(0, kept(modes)).into_owned();
+        for columns in [shapes, static_rest(modes, kept(modes))] {
+            let mut weighted = multiply_transposed(&middle.shapes, &columns);
+            scale_rows(&mut weighted, weights.iter().copied());
+            for mut column in weighted.column_iter_mut() {
+                let length = column.norm();
+                if length > 0.0 {
+                    column /= length;
+                }
+            }
+            gram += multiply(&weighted, &weighted.transpose());
+        }
+    }
+    let failed = |source| dense(middle.position, source);
+    let eigen = symmetric_eigen_polished(&gram, 0).map_err(failed)?;
     let edge = options.tolerance.powi(2) * eigen.values.amax();
-    let kept: Vec<usize> = (0..n).filter(|k| eigen.values[*k] > edge).collect();
-    Ok(eigen.vectors.select_columns(&kept))
+    let strong: Vec<usize> = (0..n).filter(|k| eigen.values[*k] > edge).collect();
+    let mut directions = eigen.vectors.select_columns(&strong);
+    scale_rows(&mut directions, weights.iter().map(|w| w.recip()));
+    orthonormal_span(&multiply(&middle.shapes, &directions), 1e-12).map_err(failed)
 }
 
-/// Static responses to the ports' forces of the modes above the kept ones, each of unit length: their
-/// inertia then needs no further modes.
+fn scale_rows(m: &mut DMatrix<f64>, factors: impl Iterator<Item = f64>) {
+    for (mut row, factor) in m.row_iter_mut().zip(factors) {
+        row *= factor;
+    }
+}
+
+/// Static responses to the ports' forces of the modes above the kept ones: with them in the span, the
+/// inertia of the rest needs no further modes.
 fn static_rest(modes: &Modes, kept: usize) -> DMatrix<f64> {
     let n = modes.eigenvalues.len();
     let ports = modes.outputs.nrows() + modes.inputs.nrows();
     let row = |i: usize, r: usize| {
-        let shape = if i < modes.outputs.nrows() { modes.outputs[(i, r)] } else { modes.inputs[(i - modes.outputs.nrows(), r)] };
+        let shape = if i < modes.outputs.nrows() {
+            modes.outputs[(i, r)]
+        } else {
+            modes.inputs[(i - modes.outputs.nrows(), r)]
+        };
         shape / modes.eigenvalues[r]
     };
     let amplitudes = DMatrix::from_fn(n - kept, ports, |r, i| row(i, kept + r));
-    let mut out = multiply(&modes.shapes.columns(kept, n - kept).into_owned(), &amplitudes);
-    for mut column in out.column_iter_mut() {
-        let length = column.norm();
-        if length > 0.0 {
-            column /= length;
-        }
-    }
-    out
+    multiply(&modes.shapes.columns(kept, n - kept).into_owned(), &amplitudes)
 }
 
 /// Static compliance of the elastic modes that a basis leaves out, with what no mode carries.
@@ -296,9 +311,7 @@ fn rest(modes: &Modes, basis: &DMatrix<f64>) -> Result<DMatrix<f64>, crate::lina
     let mut turned = multiply_transposed(&modes.shapes, basis);
     let ports = |rows: &DMatrix<f64>| multiply(rows, &turned);
     let (outputs, inputs) = (ports(&modes.outputs), ports(&modes.inputs));
-    for (mut row, l) in turned.row_iter_mut().zip(&modes.eigenvalues) {
-        row *= l.sqrt();
-    }
+    scale_rows(&mut turned, modes.eigenvalues.iter().map(|l| l.sqrt()));
     let own = symmetric_eigen_polished(&multiply_transposed(&turned, &turned), modes.free)?;
     let (outputs, inputs) = (multiply(&outputs, &own.vectors), multiply(&inputs, &own.vectors));
     for r in modes.free..own.values.len() {

@@ -73,8 +73,7 @@ pub(super) struct Account {
 impl Account {
     pub fn new(samples: usize) -> Self {
         let room = || Vec::with_capacity(samples);
-        let energy =
-            Energy { kinetic: room(), potential: room(), force: room(), dissipated: room(), travel: room() };
+        let energy = Energy { kinetic: room(), potential: room(), force: room(), dissipated: room(), travel: room() };
         Self { energy, before: None }
     }
 
