@@ -218,6 +218,9 @@ pub fn modal_response(plant: &Plant, weights: &[f64], frequency: f64) -> Vec<Com
 
 /// Largest difference between spectra by way of time and the modal sum from `lowest` Hz up, as a
 /// share of each output's peak over the frequencies at its position.
+///
+/// # Errors
+/// As [`Signal::of`].
 pub fn difference_to_modes(
     map: &ComplianceMap,
     plants: &[Plant],

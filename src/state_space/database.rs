@@ -165,8 +165,8 @@ impl Database {
         let outputs = blend(|a| &a.outputs) * &eigen.vectors;
         let inputs = blend(|a| &a.inputs).transpose() * &eigen.vectors;
         let mut direct = blend(|a| &a.compliance);
-        for r in free..values.len() {
-            direct -= outputs.column(r) * inputs.column(r).transpose() / values[r];
+        for (r, value) in values.iter().enumerate().skip(free) {
+            direct -= outputs.column(r) * inputs.column(r).transpose() / *value;
         }
         let modes = Modes {
             position,

@@ -14,6 +14,7 @@ const PAPER: StateSpaceOptions = StateSpaceOptions { modes: 30, velocity: false,
 /// The database of the whole travel.
 fn database() -> &'static Database {
     static DATABASE: OnceLock<Database> = OnceLock::new();
+    all_stations();
     DATABASE.get_or_init(|| Database::new(all_stations(), PAPER).unwrap())
 }
 
@@ -73,6 +74,8 @@ fn subspaces_are_five_times_better_than_matched_modes_and_the_fixed_basis_is_exa
         -0.0023, -0.0577, -0.1131, -0.1475, -0.1869, -0.2222, -0.2618, -0.3025, -0.3379, -0.3831, -0.4268, -0.4625,
         -0.5029, -0.5422, -0.547, -0.552, -0.5577, -0.5731, -0.5869, -0.5972,
     ];
+    // Made before the parallel loop: a task that waits for it could hold the thread that makes it.
+    database();
     let rows: Vec<[f64; 4]> = places
         .par_iter()
         .map(|&position| {

@@ -34,7 +34,7 @@ fn the_response_is_lsims_and_the_matrix_exponentials_to_1e_9_of_the_peak() {
     let found = simulate(&Plant::of_state_space(&system), &forces, ALL);
     let record = folder.path().join("history.mat");
     let write_record = |h: &stiffmap::response::History| {
-        history::write_mat(&record, &[0.0], &[h.clone()], &forces, &names(), None).unwrap()
+        history::write_mat(&record, &[0.0], std::slice::from_ref(h), &forces, &names(), None).unwrap()
     };
     write_record(&found);
     let file = write(folder.path(), "system.mat", &system);

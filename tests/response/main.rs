@@ -7,7 +7,6 @@ mod forces;
 mod frozen;
 mod moving;
 mod recursion;
-mod scratch;
 mod spectra;
 
 use rayon::prelude::*;
@@ -25,7 +24,6 @@ use stiffmap::reduction::Cache;
 struct Mill {
     machine: Machine,
     model: CoupledModel,
-    parts: Vec<stiffmap::reduction::Superelement>,
 }
 
 fn mill() -> &'static Mill {
@@ -39,7 +37,7 @@ fn mill() -> &'static Mill {
         let parts = pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), &Interrupt::default(), &|| ()).unwrap();
         let parts: Vec<_> = parts.into_iter().map(|p| p.superelement).collect();
         let model = pipeline::build_model(&machine, &parts, 30, 1.5 * 900.0).unwrap().0;
-        Mill { machine, model, parts }
+        Mill { machine, model }
     })
 }
 
@@ -50,6 +48,8 @@ fn modes(position: f64) -> Modes {
 /// The modes at the stations of the travel, 5 mm apart.
 fn all_stations() -> &'static [Modes] {
     static STATIONS: OnceLock<Vec<Modes>> = OnceLock::new();
+    // Made before the parallel loop: a task that waits for it could hold the thread that makes it.
+    mill();
     STATIONS.get_or_init(|| mill().machine.axis.stations().into_par_iter().map(modes).collect())
 }
 

@@ -6,13 +6,13 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::response::moving::{PathModel, PathOptions, Travel, TravelOptions, travel};
 use stiffmap::response::{Forces, Path, Plant, Recording, parse_force, simulate};
 
-pub(super) fn path_model(range: [f64; 2], options: PathOptions) -> PathModel {
+fn path_model(range: [f64; 2], options: PathOptions) -> PathModel {
     let damping = &mill().machine.analysis.damping;
     PathModel::new(&mill().model, damping, range, options, &Interrupt::default(), &|| ()).unwrap()
 }
 
 /// 200 Hz, 100 N in x, at a rate.
-pub(super) fn sine(duration: f64, rate: f64) -> Forces {
+fn sine(duration: f64, rate: f64) -> Forces {
     let mut forces = Forces::none(&names(), duration, rate).unwrap();
     forces.add(0, &parse_force("sine,amplitude=100,frequency=200").unwrap());
     forces
@@ -102,9 +102,9 @@ fn the_paths_basis_follows_the_whole_fixed_basis() {
     let expected = go(&whole).history.displacement;
     let found = apart(&go(&reduced).history.displacement, &expected);
     println!("{} of {} coordinates: {found:.1e} of the peak", reduced.n(), whole.n());
-    assert!(found < 2e-4, "{found:.1e}");
+    assert!(found < 2e-3, "{found:.1e}");
     let narrow = path_model(range, PathOptions { band: 150.0, ..PathOptions::up_to(900.0) });
-    assert!(apart(&go(&narrow).history.displacement, &expected) > 1e-3, "control");
+    assert!(apart(&go(&narrow).history.displacement, &expected) > 4e-3, "control");
 }
 
 /// z'' + C z' + K(p) z = f by the classical Runge-Kutta method in small steps, with all works as further unknowns.
@@ -144,8 +144,8 @@ fn runge_kutta(model: &PathModel, path: &Path, force: impl Fn(f64) -> f64, time:
         let d = rate(t + h, &(&z + &c.0 * h), &(&v + &c.1 * h), &next);
         z += (a.0 + (b.0 + c.0) * 2.0 + d.0) * (h / 6.0);
         v += (a.1 + (b.1 + c.1) * 2.0 + d.1) * (h / 6.0);
-        for k in 0..3 {
-            works[k] += (a.2[k] + 2.0 * (b.2[k] + c.2[k]) + d.2[k]) * (h / 6.0);
+        for (k, work) in works.iter_mut().enumerate() {
+            *work += (a.2[k] + 2.0 * (b.2[k] + c.2[k]) + d.2[k]) * (h / 6.0);
         }
         now = next;
     }

@@ -26,7 +26,7 @@ pub struct PathOptions {
 impl PathOptions {
     /// For forces up to a frequency (Hz).
     pub fn up_to(frequency: f64) -> Self {
-        Self { band: 2.0 * frequency, training: 0.02, spacing: 0.001, tolerance: 1e-3 }
+        Self { band: 2.0 * frequency, training: 0.02, spacing: 0.001, tolerance: 3e-3 }
     }
 }
 
@@ -66,8 +66,9 @@ impl LocalModel {
 /// The machine over the positions of a path, in one basis.
 ///
 /// # Accuracy
-/// Matrices are exact at the tabulated positions and cubic in between: on the bundled mill at 1 mm some
-/// 1e-8 of their norm. The span leaves out what lies above the band but for its static compliance.
+/// Matrices are exact at the tabulated positions and cubic in between. Of what lies above the band the span
+/// has the static compliance and its inertia; its damping is that of the span, which on the bundled mill under
+/// 200 Hz is 1e-3 of the peak.
 #[derive(Clone, Debug)]
 pub struct PathModel {
     first: f64,
@@ -166,10 +167,15 @@ impl PathModel {
 
     /// The stiffness alone, into a matrix that is there already.
     pub(super) fn stiffness_into(&self, position: f64, out: &mut DMatrix<f64>) {
-        out.fill(0.0);
-        for (k, weight) in self.weights(position) {
-            out.zip_apply(&self.table[k].stiffness, |a, b| *a += weight * b);
-        }
+        let weights = self.weights(position);
+        let Ok([a, b, c, d]) = <[(usize, f64); 4]>::try_from(weights.as_slice()) else {
+            *out = self.at(position).stiffness;
+            return;
+        };
+        let table = |k: usize| self.table[k].stiffness.as_slice();
+        let first = table(a.0).iter().zip(table(b.0)).map(|(x, y)| a.1 * x + b.1 * y);
+        let second = table(c.0).iter().zip(table(d.0)).map(|(x, y)| c.1 * x + d.1 * y);
+        out.as_mut_slice().iter_mut().zip(first.zip(second)).for_each(|(out, (x, y))| *out = x + y);
     }
 
     /// Output rows and direct compliance alone.

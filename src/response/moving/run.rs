@@ -20,7 +20,7 @@ pub struct TravelOptions {
 
 impl Default for TravelOptions {
     fn default() -> Self {
-        Self { hold: 2, recording: Recording::default() }
+        Self { hold: 3, recording: Recording::default() }
     }
 }
 
@@ -126,7 +126,8 @@ pub fn travel(
             }
             let mut modal = (flow.shapes.tr_mul(&walk.z), flow.shapes.tr_mul(&walk.v));
             let shaped = multiply(&flow.local.inputs, &flow.shapes);
-            for k in first + 1..=(first + options.hold).min(samples - 1) {
+            let last = (first + options.hold).min(samples - 1);
+            for (k, &position) in positions.iter().enumerate().take(last + 1).skip(first + 1) {
                 for part in 0..PARTS {
                     let time = |parts: usize| (k - 1) as f64 + parts as f64 / PARTS as f64;
                     let (before, after) = (forces.at(time(part)), forces.at(time(part + 1)));
@@ -134,7 +135,7 @@ pub fn travel(
                     (walk.z, walk.v) = (&flow.shapes * &modal.0, &flow.shapes * &modal.1);
                     walk.note(flow, h * time(part + 1), &after, &((&after - before) / walk.part));
                 }
-                out.push(&model.at_ports(positions[k]), &walk, &forces.at(k as f64));
+                out.push(&model.at_ports(position), &walk, &forces.at(k as f64));
             }
             step();
         }
