@@ -20,7 +20,7 @@ pub struct TravelOptions {
 
 impl Default for TravelOptions {
     fn default() -> Self {
-        Self { hold: 3, recording: Recording::default() }
+        Self { hold: 2, recording: Recording::default() }
     }
 }
 
