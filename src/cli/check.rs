@@ -6,7 +6,7 @@ use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::coupling::reduction_requests;
-use stiffmap::machine::{Grid, JointKind, Machine, Motion, ScrewSupport, SpringStiffness, read_machine};
+use stiffmap::machine::{Grid, JointKind, Machine, Motion, Part, ScrewSupport, SpringStiffness, read_machine};
 use stiffmap::pipeline;
 use stiffmap::solid::assemble;
 
@@ -38,7 +38,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             system.n_dof(),
             system.total_mass,
             part.interfaces.iter().map(|i| i.name.as_str()).collect::<Vec<_>>().join(", "),
-            if part.clamped.is_empty() { String::new() } else { format!("; clamped at {}", part.clamped.join(", ")) }
+            held_at(part)
         )?;
         for warning in &file.warnings {
             writeln!(out, "  line {}: {}", warning.line, warning.text)?;
@@ -61,6 +61,18 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     }
     print!("{out}");
     Ok(())
+}
+
+/// Where a part is held to ground.
+fn held_at(part: &Part) -> String {
+    let mut text =
+        if part.clamped.is_empty() { String::new() } else { format!("; clamped at {}", part.clamped.join(", ")) };
+    for support in &part.supported {
+        let held: Vec<&str> =
+            ["x", "y", "z"].into_iter().zip(support.directions).filter(|(_, h)| *h).map(|(n, _)| n).collect();
+        text += &format!("; {} held at {}", held.join(", "), support.nodes);
+    }
+    text
 }
 
 fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3]>]) -> Result<()> {
