@@ -1,10 +1,10 @@
 //! stiffmap: the dynamic stiffness of a machine tool over its whole work volume.
 //!
 //! ```text
-//! machine.toml + part meshes
+//! machine.toml + part meshes or matrices
 //!   machine        -> Machine            parts, interfaces, joints, axis, ports, damping: checked, in SI
 //! each part, once (cached by content hash):
-//!   mesh           -> Mesh               nodes, cells, named sets
+//!   mesh           -> Mesh               nodes, cells, named sets; or matrix -> stiffness and mass as given
 //!   solid          -> SecondOrder        sparse mass and stiffness, and rows for every interface
 //!   reduction      -> Superelement       M = I, K = diag(lambda), the interfaces' rows in reduced coordinates
 //! the machine:
@@ -14,7 +14,7 @@
 //!   state_space    -> StateSpace         A, B, C, D
 //!   frf | gpu      -> ComplianceMap      [position, frequency, output, input]
 //!   response       -> History            motions over time, fixed, along a path, with friction and backlash
-//!   export, figures -> files
+//!   sweep          -> metrics of many designs;  export, figures -> files
 //! ```
 //!
 //! Each arrow is a plain function from one named struct to the next; [`pipeline`] strings them
@@ -24,10 +24,13 @@
 pub mod interrupt;
 
 pub mod machine;
+
+pub mod linalg;
+pub mod matrix;
+
 pub mod mesh;
 
 pub mod element;
-pub mod linalg;
 pub mod solid;
 
 pub mod reduction;
@@ -40,6 +43,8 @@ pub mod state_space;
 pub mod frf;
 pub mod gpu;
 pub mod response;
+
+pub mod sweep;
 
 pub mod export;
 pub mod figures;

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use stiffmap::interrupt::Interrupt;
 
 fn main() -> ExitCode {
+    quiet_device_selection();
     let arguments = cli::Cli::parse();
     tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
@@ -34,3 +35,18 @@ fn main() -> ExitCode {
         }
     }
 }
+
+/// Mesa's layer that sorts adapters asks a Wayland display first and, where there is none, complains on stderr; this
+/// program sorts adapters itself.
+#[cfg(target_os = "linux")]
+fn quiet_device_selection() {
+    let set = |name: &str| std::env::var_os(name).is_some();
+    if !set("XDG_RUNTIME_DIR") && !set("MESA_VK_DEVICE_SELECT") {
+        // SAFETY: the program has no other thread yet.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
+/// Nothing to quieten.
+#[cfg(not(target_os = "linux"))]
+fn quiet_device_selection() {}

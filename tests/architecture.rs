@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The way of the data; a module uses only what stands before it.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 18] = [
     "interrupt",
     "machine",
+    "linalg",
+    "matrix",
     "mesh",
     "element",
-    "linalg",
     "solid",
     "reduction",
     "coupling",
@@ -18,6 +19,7 @@ const ORDER: [&str; 16] = [
     "frf",
     "gpu",
     "response",
+    "sweep",
     "export",
     "figures",
     "pipeline",

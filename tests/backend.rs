@@ -7,8 +7,11 @@ use std::process::Command;
 
 use modal_fixture::{Case, Numbers, symmetric_system};
 use nalgebra::Complex;
+use stiffmap::frf::metrics::{direct_pairs, metrics};
 use stiffmap::frf::{Tile, modal_sum};
-use stiffmap::gpu::{self, Backend, BackendOptions, GpuError, MeasuredCache, Precision, compute, compute_tiles};
+use stiffmap::gpu::{
+    self, Backend, BackendOptions, GpuError, MeasuredCache, Precision, compute, compute_metrics, compute_tiles,
+};
 
 fn case(n_positions: usize, n_frequencies: usize) -> Case {
     let mut numbers = Numbers(17);
@@ -152,6 +155,28 @@ fn a_receiver_that_fails_is_reported_and_not_retried() {
 }
 
 #[test]
+fn metrics_come_from_either_back_end() {
+    let case = case(20, 500);
+    let request = case.request();
+    let pairs = direct_pairs(&request);
+    let expected = metrics(&request, &modal_sum(&request).unwrap(), &pairs).unwrap();
+    let (found, report) = compute_metrics(&request, &pairs, &options(Backend::Cpu, None)).unwrap();
+    assert_eq!((report.backend, found), ("cpu", expected.clone()));
+    match compute_metrics(&request, &pairs, &options(Backend::Gpu, None)) {
+        Err(GpuError::NoAdapter { .. }) => println!("skipped: no adapter"),
+        Err(e) => panic!("{e}"),
+        Ok((found, report)) => {
+            assert_eq!((report.backend, report.pairs_on_device), ("gpu", 10_000));
+            assert!(report.trust.is_some(), "a device is looked at before its numbers are used");
+            for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+                assert!((a.peak.value / b.peak.value - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+                assert!((a.peak.value * 1.001 / b.peak.value - 1.0).abs() > 1e-9, "control");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_bench_counts_what_it_says() {
     let request = gpu::bench::BenchRequest {
         backend: Backend::Cpu,
@@ -160,6 +185,7 @@ fn the_bench_counts_what_it_says() {
         modes: 5,
         ports: 3,
         repetitions: 3,
+        streamed: false,
     };
     let rows = gpu::bench::measure(&request).unwrap();
     assert_eq!(rows.len(), 1);

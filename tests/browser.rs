@@ -9,12 +9,17 @@ use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use modal_fixture::device::device;
+use modal_fixture::springs::{AROUND, Machine, all_pairs, frobenius, grid};
 use modal_fixture::{Case, differences, rich};
 use nalgebra::Complex;
 use serde_json::{Value, json};
 use stiffmap::frf::metrics::grid_extrema;
+use stiffmap::frf::modification::Work;
 use stiffmap::frf::{ComplianceMap, Packing, modal_sum};
-use stiffmap::gpu::shader::{CHUNK, Extrema, Kernel};
+use stiffmap::gpu::Gpu;
+use stiffmap::gpu::modification::{SpringRequest, spring_shader_inputs};
+use stiffmap::gpu::shader::{CHUNK, CORE, Extrema, Kernel, Maxima};
 use stiffmap::gpu::shader_inputs;
 
 /// Ends the browser whatever the test does.
@@ -76,12 +81,24 @@ fn ask(jobs: &[Value]) -> Option<Value> {
     Some(answer["results"].clone())
 }
 
+fn words_of(bytes: &[u8]) -> Vec<u32> {
+    bytemuck::pod_collect_to_vec(bytes)
+}
+
 fn job(case: &Case, kernel: Kernel, words: usize) -> Value {
     let (source, params, arrays, workgroups) = shader_inputs(&case.request(), kernel);
-    let words_of = |bytes: &[u8]| -> Vec<u32> { bytemuck::pod_collect_to_vec(bytes) };
     let arrays = arrays.map(|bytes| words_of(&bytes));
     let params = words_of(bytemuck::bytes_of(&params));
     json!({ "source": source, "params": params, "arrays": arrays, "workgroups": workgroups, "words": words })
+}
+
+/// The job of a kernel that changes springs, and the units of its pairs.
+fn spring_job(gpu: &Gpu, request: &SpringRequest<'_>, kernel: Kernel, words: usize) -> (Value, Vec<f64>) {
+    let (source, params, arrays, workgroups, units) = spring_shader_inputs(gpu, request, kernel).unwrap();
+    let arrays = arrays.map(|bytes| words_of(&bytes));
+    let params = words_of(bytemuck::bytes_of(&params));
+    let job = json!({ "source": source, "params": params, "arrays": arrays, "workgroups": workgroups, "words": words });
+    (job, units)
 }
 
 fn words(result: &Value) -> Vec<u32> {
@@ -131,4 +148,49 @@ fn the_kernels_compile_and_compute_the_same_in_a_browser() {
         assert_eq!(found, (expected.peak, expected.most_negative_real));
     }
     assert!(!results[2]["error"].is_null(), "the browser refuses a shader that is none");
+}
+
+#[test]
+fn the_kernels_that_change_springs_compute_the_same_in_a_browser() {
+    let Some(gpu) = device() else { return };
+    let machine = Machine::new(8, 6);
+    let base = machine.base(&grid()[..300], AROUND);
+    let designs = machine.designs(18, 3, AROUND);
+    let pairs = all_pairs();
+    let request = SpringRequest { base: &base, designs: &designs, pairs: &pairs, position: 0 };
+    let (n, chunk) = (base.frequencies.len(), CORE as usize);
+    let chunks = n.div_ceil(chunk);
+    let (values, units) = spring_job(&gpu, &request, Kernel::Modification, designs.len() * pairs.len() * n * 2);
+    let (maxima, _) = spring_job(&gpu, &request, Kernel::Extrema, designs.len() * chunks * pairs.len() * 6);
+    let Some(results) = ask(&[values, maxima]) else { return };
+
+    let exact: Vec<_> = designs.iter().map(|d| base.modified(d, &pairs, &mut Work::default())).collect();
+    let real = |w: u32| f64::from(f32::from_bits(w));
+    let read: Vec<Complex<f64>> =
+        words(&results[0]).chunks_exact(2).map(|w| Complex::new(real(w[0]), real(w[1]))).collect();
+    let mut rows = read.chunks_exact(n);
+    let found: Vec<Vec<Vec<Complex<f64>>>> = designs
+        .iter()
+        .map(|_| units.iter().zip(rows.by_ref()).map(|(unit, h)| h.iter().map(|h| h * *unit).collect()).collect())
+        .collect();
+    let figure = frobenius(&found, &exact);
+    println!("browser: Frobenius {figure:.2e}");
+    assert!(figure <= 1e-4, "{figure:.2e}");
+
+    let records: Vec<Maxima<f32>> = bytemuck::pod_collect_to_vec(&words(&results[1]));
+    for (at, record) in records.iter().enumerate() {
+        let (design, part, pair) = (at / pairs.len() / chunks, at / pairs.len() % chunks, at % pairs.len());
+        let h = &exact[design][pair];
+        let here = part * chunk..((part + 1) * chunk).min(n);
+        let top = here.clone().map(|k| h[k].norm_sqr()).fold(0.0, f64::max) / (units[pair] * units[pair]);
+        assert!((f64::from(record.peak) / top - 1.0).abs() < 1e-3, "{record:?} {top:e}");
+        let bits = u64::from(record.peaks[0]) | u64::from(record.peaks[1]) << 32;
+        for k in here.clone().filter(|&k| k > 0 && k + 1 < n) {
+            let size = |k: usize| h[k].norm_sqr();
+            let clear = |other: usize| size(k) > size(other) * 1.001;
+            if clear(k - 1) && clear(k + 1) && size(k) > 0.7 * top * units[pair] * units[pair] {
+                assert!(bits >> (k - here.start) & 1 == 1, "the maximum at {k} is missing: {record:?}");
+            }
+        }
+    }
 }

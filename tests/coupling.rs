@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 use stiffmap::coupling::{BasisOptions, CoupledModel, CouplingError, SideBySide, couple};
+use stiffmap::machine::{ScrewSupport, SpringStiffness};
 use stiffmap::modal::modes_at;
 use support::dense::eigenvalues;
 use support::slide::{FOOTPRINT, Slide, TRAVEL, ratio};
@@ -118,8 +119,9 @@ fn the_fixed_basis_agrees_with_the_whole_reduced_machine_between_its_training_po
         };
         positions.iter().zip(&exact).map(error).fold(0.0, f64::max)
     };
-    let rough = couple(&slide.machine, &slide.parts, BasisOptions { frequency: BAND, band: BAND, tolerance: 0.1 })
-        .expect("couples");
+    let rough =
+        couple(&slide.machine, &slide.parts, BasisOptions { tolerance: 0.1, band: BAND, ..BasisOptions::up_to(BAND) })
+            .expect("couples");
     let (fine, coarse) = (worst(model), worst(&rough));
     println!(
         "fixed basis: {} of {} coordinates {fine:.1e}, {} coordinates {coarse:.1e}",
@@ -165,6 +167,47 @@ fn a_ball_screw_is_as_stiff_as_its_free_length_allows() {
         assert_eq!(stiffness[..5], [5e7, 9e7, 2e5, 3e5, 1e5]);
         assert!((stiffness[5] / (expected * 4.0 / PI) - 1.0).abs() > 0.2, "control: not E D^2 / L");
     }
+}
+
+/// The slide with another screw, side by side.
+fn with_screw(free_length: Option<f64>, support: ScrewSupport) -> Result<SideBySide, CouplingError> {
+    let Slide { machine, parts, .. } = &clamped().slide;
+    let mut machine = machine.clone();
+    machine.joints[1].springs[0].stiffness =
+        SpringStiffness::BallScrew { young: 210e9, diameter: 0.016, free_length, support };
+    SideBySide::new(&machine, parts)
+}
+
+#[test]
+fn a_free_length_of_its_own_follows_the_position_and_a_second_support_adds_its_side() {
+    let area = 0.25 * PI * 0.016 * 0.016;
+    let own = with_screw(Some(0.6), ScrewSupport::OneEnd).unwrap();
+    let both = with_screw(None, ScrewSupport::BothEnds { span: 0.9 }).unwrap();
+    // As drawn the free length is 0.45 m at position 0 and shrinks with p.
+    for p in [TRAVEL[0], 0.0, 0.137, TRAVEL[1]] {
+        let (l, drawn) = (0.6 - p, 0.45 - p);
+        let k = own.stiffness(p).unwrap()[5];
+        assert!((k / (210e9 * area / l) - 1.0).abs() < 1e-12, "{p}: {k}");
+        assert!((k / (210e9 * area / drawn) - 1.0).abs() > 0.1, "control: the drawn length");
+        let k = both.stiffness(p).unwrap()[5];
+        let expected = 210e9 * area * (1.0 / drawn + 1.0 / (0.9 - drawn));
+        assert!((k / expected - 1.0).abs() < 1e-12, "{p}: {k}");
+        assert!((k / (210e9 * area / drawn) - 1.0).abs() > 0.1, "control: one end");
+    }
+    // Softest where the nut is in the middle between the supports.
+    let at = |p: f64| both.stiffness(p).unwrap()[5];
+    assert!(at(0.0) < at(0.1) && at(0.0) < at(-0.1));
+}
+
+#[test]
+fn a_nut_that_is_not_between_its_supports_is_refused() {
+    let refused = with_screw(None, ScrewSupport::BothEnds { span: 0.72 });
+    assert!(
+        matches!(refused, Err(CouplingError::ScrewSpan { position, .. }) if (position + 0.3).abs() < 1e-9),
+        "{refused:?}"
+    );
+    let refused = with_screw(Some(0.25), ScrewSupport::OneEnd);
+    assert!(matches!(refused, Err(CouplingError::ScrewLength { position, .. }) if position == 0.3), "{refused:?}");
 }
 
 #[test]

@@ -10,8 +10,8 @@ fn rail() -> Surface {
     let middle = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|i| 0.5 * (p[i] + q[i]));
     Surface {
         faces: vec![Face {
-            nodes: [0, 1, 2, 3, 4, 5],
-            coordinates: [a, b, c, middle(a, b), middle(b, c), middle(c, a)],
+            nodes: vec![0, 1, 2, 3, 4, 5],
+            coordinates: vec![a, b, c, middle(a, b), middle(b, c), middle(c, a)],
         }],
     }
 }

@@ -2,6 +2,9 @@
 
     readers.py mat FILE EXPECTED    FILE by scipy.io.loadmat
     readers.py vts FILE EXPECTED    FILE by VTK through pyvista
+    readers.py streamed FOLDER MAT  compliance.npy and compliance.mat of a streamed map in FOLDER by
+                                    numpy.load and as MATLAB's memmapfile maps it, against the whole
+                                    map in MAT
 
 EXPECTED is JSON. An array is {"shape": [...], "re": [...], "im": [...]} with the last index
 fastest ("im" only for complex ones), a text a string, a cell array {"cells": [...]} (a column),
@@ -77,7 +80,42 @@ def vts(path, expected):
         compare(name, np.asarray(grid.point_data[name]), value)
 
 
+def streamed(folder, whole):
+    import os
+
+    from scipy.io import loadmat
+
+    whole = loadmat(whole)
+    axes = loadmat(os.path.join(folder, "compliance.mat"))
+    for name in ("position_m", "frequency_hz", "output", "input", "quantity", "unit"):
+        if not np.array_equal(axes[name], whole[name]):
+            raise Difference(f"{name}: {axes[name]}, expected {whole[name]}")
+    quantity = str(whole["quantity"][0])
+    expected = whole[quantity]
+    file = os.path.join(folder, str(axes["file"][0]))
+    seen = np.load(file, mmap_mode="r")
+    shape(quantity, seen, expected.shape)
+    shape(quantity, seen, axes["shape"][0].astype(int))
+    if seen.dtype != np.complex128 or not np.array_equal(seen, expected):
+        raise Difference(f"{quantity}: {seen.dtype}, values differ")
+    # memmapfile(file, 'Offset', offset_bytes, 'Format', {'double', [2 fliplr(shape)], 'h'}), first index fastest.
+    extents = (2, *reversed(expected.shape))
+    h = np.memmap(file, dtype=float, mode="r", offset=int(axes["offset_bytes"][0, 0]), shape=extents, order="F")
+    if h.size * 8 + int(axes["offset_bytes"][0, 0]) != os.path.getsize(file):
+        raise Difference(f"{file}: {os.path.getsize(file)} bytes")
+    parts = np.transpose(h, (0, 4, 3, 2, 1))
+    if not (np.array_equal(parts[0], expected.real) and np.array_equal(parts[1], expected.imag)):
+        raise Difference(f"{quantity}: values differ as memmapfile maps them")
+
+
 def main(arguments):
+    if len(arguments) == 3 and arguments[0] == "streamed":
+        try:
+            streamed(*arguments[1:])
+        except Difference as difference:
+            print(difference, file=sys.stderr)
+            return 1
+        return 0
     readers = {"mat": mat, "vts": vts}
     if len(arguments) != 3 or arguments[0] not in readers:
         print(__doc__, file=sys.stderr)

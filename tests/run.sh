@@ -20,6 +20,9 @@ command -v python3 >/dev/null || missing+=(python3)
 python3 -c 'import ensurepip' 2>/dev/null || missing+=(python3-venv)
 command -v "${STIFFMAP_CHROMIUM:-chromium}" >/dev/null || missing+=(chromium)
 
+command -v ccx >/dev/null || missing+=(calculix-ccx)
+[[ -d /usr/share/doc/calculix-ccx-test/examples/test ]] || missing+=(calculix-ccx-test)
+
 if ((${#missing[@]})); then
     as_root=()
     if ! command -v apt-get >/dev/null; then
@@ -51,6 +54,7 @@ fi
 rm -rf target/test-cache
 export STIFFMAP_PYTHON="$PWD/$environment/bin/python"
 export STIFFMAP_GPU=require
+export STIFFMAP_CCX=require
 export STIFFMAP_CACHE="$PWD/target/test-cache"
 
 log=target/test-output.txt

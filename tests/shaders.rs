@@ -4,14 +4,25 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
-use stiffmap::gpu::shader::{CHUNK, Extrema, Kernel, MAX_DUOS, Params, Precision, Variant, WORKGROUP};
+use stiffmap::gpu;
+use stiffmap::gpu::shader::{
+    CHUNK, CORE, Extrema, Kernel, MAX_DUOS, MAX_ROWS, Maxima, Params, Precision, SHARE, SpringParams, Variant,
+    WORKGROUP,
+};
+
+fn changes_springs(kernel: Kernel) -> bool {
+    matches!(kernel, Kernel::Modification | Kernel::Extrema)
+}
 
 fn variants() -> impl Iterator<Item = Variant> {
-    let kernels = Kernel::ALL.into_iter();
-    kernels.flat_map(|kernel| {
-        [Precision::F32, Precision::F64]
-            .into_iter()
-            .flat_map(move |precision| (1..=MAX_DUOS).map(move |duos| Variant { kernel, precision, duos, split: true }))
+    const SIZES: [(usize, usize); 4] = [(0, 1), (1, 3), (7, 6), (MAX_ROWS - 6, 6)];
+    Kernel::ALL.into_iter().flat_map(|kernel| {
+        [Precision::F32, Precision::F64].into_iter().flat_map(move |precision| -> Vec<Variant> {
+            if changes_springs(kernel) {
+                return SIZES.map(|(springs, ports)| Variant::of_springs(kernel, precision, springs, ports)).to_vec();
+            }
+            (1..=MAX_DUOS).map(|duos| Variant { duos, ..Variant::new(kernel, precision, 1) }).collect()
+        })
     })
 }
 
@@ -69,12 +80,19 @@ fn bindings_and_workgroups_are_those_that_the_host_makes() {
         let output = match variant.kernel {
             Kernel::ModalSum => "values",
             Kernel::Metrics => "extrema",
+            Kernel::Modification => "values",
+            Kernel::Extrema => "maxima",
+        };
+        let inputs = if changes_springs(variant.kernel) {
+            ["receptances", "changes", "pairs"]
+        } else {
+            ["frequencies", "modes", "residual"]
         };
         let expected = [
             (0, 0, "params".to_string(), AddressSpace::Uniform),
-            (0, 1, "frequencies".to_string(), read),
-            (0, 2, "modes".to_string(), read),
-            (0, 3, "residual".to_string(), read),
+            (0, 1, inputs[0].to_string(), read),
+            (0, 2, inputs[1].to_string(), read),
+            (0, 3, inputs[2].to_string(), read),
             (1, 0, output.to_string(), write),
         ];
         assert_eq!(bindings, expected, "{variant:?}");
@@ -95,10 +113,36 @@ fn structs_have_the_offsets_of_the_host() {
         ("power", offset_of!(Params, power)),
         ("zero", offset_of!(Params, zero)),
     ]);
+    let spring_params = named(&[
+        ("n_frequencies", offset_of!(SpringParams, n_frequencies)),
+        ("n_slots", offset_of!(SpringParams, n_slots)),
+        ("n_designs", offset_of!(SpringParams, n_designs)),
+        ("n_pairs", offset_of!(SpringParams, n_pairs)),
+        ("zero", offset_of!(SpringParams, zero)),
+    ]);
     for variant in variants() {
         let module = parse(variant);
-        assert_eq!(layout(&module, "Params"), (params.clone(), size_of::<Params>()), "{variant:?}");
+        let expected = if changes_springs(variant.kernel) {
+            (spring_params.clone(), size_of::<SpringParams>())
+        } else {
+            (params.clone(), size_of::<Params>())
+        };
+        assert_eq!(layout(&module, "Params"), expected, "{variant:?}");
     }
+    macro_rules! maxima {
+        ($real:ty) => {{
+            let offsets = named(&[
+                ("peak", offset_of!(Maxima<$real>, peak)),
+                ("dip", offset_of!(Maxima<$real>, dip)),
+                ("peaks", offset_of!(Maxima<$real>, peaks)),
+                ("dips", offset_of!(Maxima<$real>, dips)),
+            ]);
+            (offsets, size_of::<Maxima<$real>>())
+        }};
+    }
+    let of_maxima = |precision| layout(&parse(Variant::of_springs(Kernel::Extrema, precision, 2, 3)), "Maxima");
+    assert_eq!(of_maxima(Precision::F32), maxima!(f32));
+    assert_eq!(of_maxima(Precision::F64), maxima!(f64));
     macro_rules! extrema {
         ($real:ty) => {{
             let offsets = named(&[
@@ -124,7 +168,9 @@ fn no_kernel_exceeds_what_webgpu_guarantees() {
     assert!(records <= 16384, "workgroup memory {records} bytes");
     // The reduction halves the workgroup.
     const { assert!(WORKGROUP.is_power_of_two()) };
-    for variant in variants() {
+    // A bit for each frequency of a chunk, and what the processor refines is never left out.
+    const { assert!(CORE <= 64 && SHARE > 0.3) };
+    for variant in variants().filter(|v| !changes_springs(v.kernel)) {
         assert_eq!(CHUNK % (WORKGROUP * variant.ways()), 0, "whole steps make a chunk: {variant:?}");
     }
 }
@@ -148,4 +194,15 @@ fn the_header_holds_the_constants_of_the_host() {
     ] {
         assert!(source.contains(&line), "{line} in\n{source}");
     }
+}
+
+#[test]
+fn the_springs_and_ports_are_constants_of_the_variant() {
+    let source = Variant::of_springs(Kernel::Extrema, Precision::F32, 21, 3).source();
+    for line in ["const SPRINGS: u32 = 21u;", "const ROWS: u32 = 24u;", "const ENTRIES: u32 = 300u;"] {
+        assert!(source.contains(line), "{line} in\n{source}");
+    }
+    let refused = gpu::modification::check_rows(MAX_ROWS - 2, 3).unwrap_err();
+    assert!(refused.to_string().contains(&format!("takes {MAX_ROWS} in all")), "{refused}");
+    assert!(gpu::modification::check_rows(MAX_ROWS - 3, 3).is_ok());
 }

@@ -30,6 +30,9 @@ pub struct Arguments {
     /// Runs whose median counts
     #[arg(long, default_value_t = 10)]
     repetitions: usize,
+    /// Stream maps of 1, 10 and 100 times the positions: time should grow with them, memory should not
+    #[arg(long)]
+    growth: bool,
     /// Print a JSON list of rows
     #[arg(long)]
     json: bool,
@@ -56,9 +59,14 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         frequencies: arguments.frequencies,
         modes: arguments.modes,
         repetitions: arguments.repetitions,
+        streamed: arguments.growth,
         ..BenchRequest::default()
     };
-    let rows = measure(&request)?;
+    let factors: &[usize] = if arguments.growth { &[1, 10, 100] } else { &[1] };
+    let mut rows = Vec::new();
+    for factor in factors {
+        rows.extend(measure(&BenchRequest { positions: factor * request.positions, ..request.clone() })?);
+    }
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&rows)?);
     } else {
@@ -69,20 +77,25 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
 
 fn print_table(request: &BenchRequest, rows: &[BenchRow]) {
     println!(
-        "{} positions x {} frequencies x {} modes x {} values, median of {}\n",
+        "{}{} positions x {} frequencies x {} modes x {} values, median of {}\n",
+        if request.streamed { "streamed: 1, 10 and 100 times " } else { "" },
         request.positions,
         request.frequencies,
         request.modes,
         request.ports * request.ports,
         request.repetitions
     );
-    println!("back end  precision        ms  Mpairs/s  Mvalues/s  Gflop/s    GB/s  roofline  device");
+    println!(
+        "back end  precision  positions        ms  Mpairs/s  Mvalues/s  Gflop/s    GB/s  roofline  peak MB  device"
+    );
     for row in rows {
         let share = row.roofline_share.map_or_else(|| "      -".into(), |s| format!("{:6.0}%", 100.0 * s));
+        let memory = row.peak_rss_bytes.map_or_else(|| "      -".into(), |b| format!("{:7.0}", b as f64 * 1e-6));
         println!(
-            "{:<9} {:<9} {:9.2} {:9.1} {:10.1} {:8.1} {:7.1}   {share}  {}",
+            "{:<9} {:<9} {:10} {:9.2} {:9.1} {:10.1} {:8.1} {:7.1}   {share}  {memory}  {}",
             row.backend,
             row.precision.name(),
+            row.positions,
             row.median_seconds * 1e3,
             row.pairs_per_second * 1e-6,
             row.values_per_second * 1e-6,

@@ -6,7 +6,7 @@ use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::coupling::reduction_requests;
-use stiffmap::machine::{Contact, JointKind, Machine, Motion, SpringStiffness, read_machine};
+use stiffmap::machine::{Contact, Grid, JointKind, Machine, Motion, Part, ScrewSupport, SpringStiffness, read_machine};
 use stiffmap::pipeline;
 use stiffmap::solid::assemble;
 
@@ -38,7 +38,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             system.n_dof(),
             system.total_mass,
             part.interfaces.iter().map(|i| i.name.as_str()).collect::<Vec<_>>().join(", "),
-            if part.clamped.is_empty() { String::new() } else { format!("; clamped at {}", part.clamped.join(", ")) }
+            held_at(part)
         )?;
         for warning in &file.warnings {
             writeln!(out, "  line {}: {}", warning.line, warning.text)?;
@@ -63,6 +63,18 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// Where a part is held to ground.
+fn held_at(part: &Part) -> String {
+    let mut text =
+        if part.clamped.is_empty() { String::new() } else { format!("; clamped at {}", part.clamped.join(", ")) };
+    for support in &part.supported {
+        let held: Vec<&str> =
+            ["x", "y", "z"].into_iter().zip(support.directions).filter(|(_, h)| *h).map(|(n, _)| n).collect();
+        text += &format!("; {} held at {}", held.join(", "), support.nodes);
+    }
+    text
+}
+
 fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3]>]) -> Result<()> {
     let side = |r: stiffmap::machine::InterfaceRef| {
         let part = &machine.parts[r.part];
@@ -79,12 +91,16 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
                     format!("{} {} N/um", s.label, (k * 1e-2).round() * 1e-4)
                 }
                 (SpringStiffness::Constant(k), Motion::Rotation) => format!("{} {k:.4e} N m/rad", s.label),
-                (SpringStiffness::BallScrew { young, diameter }, _) => {
+                (SpringStiffness::BallScrew { young, diameter, support, .. }, _) => {
                     let length = |p: f64| pipeline::screw_length(machine, joint, centroids, p);
-                    let k = |p: f64| young * std::f64::consts::PI * diameter * diameter / (4.0 * length(p)) * 1e-6;
+                    let k = |p: f64| support.stiffness(young, diameter, length(p)) * 1e-6;
+                    let held = match support {
+                        ScrewSupport::OneEnd => String::new(),
+                        ScrewSupport::BothEnds { span } => format!(", held at both ends {span:.4} m apart"),
+                    };
                     let [a, b] = machine.axis.travel;
                     format!(
-                        "E {:.1} GPa, D {:.1} mm, L {:.4} m at {a} m ({:.1} N/um), L {:.4} m at {b} m ({:.1} N/um)",
+                        "E {:.1} GPa, D {:.1} mm, L {:.4} m at {a} m ({:.1} N/um), L {:.4} m at {b} m ({:.1} N/um){held}",
                         young * 1e-9,
                         diameter * 1e3,
                         length(a),
@@ -161,12 +177,17 @@ fn describe_axis(out: &mut String, machine: &Machine) -> Result<()> {
     let grid = &machine.analysis.frequencies;
     writeln!(
         out,
-        "analysis: {} component modes a part, {} elastic modes a position, {} frequencies from {} to {} Hz",
+        "analysis: {} component modes a part, {} elastic modes a position, {} from {} to {} Hz ({} grid{})",
         machine.analysis.component.modes,
         machine.analysis.modes,
-        grid.len(),
+        machine.analysis.quantity.name(),
         grid.first().copied().unwrap_or_default(),
-        grid.last().copied().unwrap_or_default()
+        grid.last().copied().unwrap_or_default(),
+        machine.analysis.grid.name(),
+        match machine.analysis.grid {
+            Grid::Clustered { points } => format!(", {points} frequencies a mode on {}", grid.len()),
+            _ => format!(", {} frequencies", grid.len()),
+        }
     )?;
     Ok(())
 }

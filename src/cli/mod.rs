@@ -1,10 +1,20 @@
 //! The command line: one file a subcommand.
 
+mod band;
 mod bench;
 mod check;
+mod converge;
 mod devices;
+mod evaluator;
+mod export;
+mod frequencies;
 mod init;
+mod map;
+mod memory;
+mod modes;
+mod optimise;
 mod overrides;
+mod pictures;
 mod progress;
 mod record;
 mod run;
@@ -12,18 +22,25 @@ mod simulate;
 mod simulate_files;
 mod states;
 mod summary;
+mod sweep;
+mod sweep_figures;
+mod sweep_files;
+mod sweep_progress;
+mod sweep_rates;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
+use stiffmap::coupling::CouplingError;
 use stiffmap::export::ExportError;
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
 use stiffmap::interrupt::Interrupt;
-use stiffmap::machine::{MachineError, bundled_vertical_mill};
+use stiffmap::machine::{Machine, MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
 use stiffmap::response::ResponseError;
+use stiffmap::sweep::{StudyError, SweepError, TableError};
 
 /// Dynamic stiffness of a machine tool over its whole work volume.
 #[derive(Parser, Debug)]
@@ -39,10 +56,22 @@ enum Command {
     Run(run::Arguments),
     /// Time histories: forces in, motions out, at fixed positions or along a path
     Simulate(Box<simulate::Arguments>),
+    /// Evaluate the designs of a study: a table with one row a design
+    Sweep(sweep::Arguments),
+    /// Look for the best design of a study under its bounds
+    Optimise(optimise::Arguments),
     /// Print what is understood of a machine, without solving
     Check(check::Arguments),
     /// Write the bundled vertical mill into a folder, as a start for a machine of your own
     Init(init::Arguments),
+    /// Write the assembled machine at a position for another program: a CalculiX deck or matrices
+    Export(export::Arguments),
+    /// Frequencies with distributing and with rigid interfaces: how much the contacts' modelling matters
+    Band(band::Arguments),
+    /// How far the frequencies are from those of an infinitely fine mesh
+    Converge(converge::Arguments),
+    /// Compute the frequencies of one CalculiX or Abaqus deck
+    Modes(modes::Arguments),
     /// List the adapters that could compute a map
     Devices(devices::Arguments),
     /// Measure the compliance kernel on the processor and on each adapter
@@ -75,8 +104,14 @@ pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
     match cli.command {
         Command::Run(arguments) => run::run(&arguments, interrupt),
         Command::Simulate(arguments) => simulate::simulate(&arguments, interrupt),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, interrupt),
+        Command::Optimise(arguments) => optimise::optimise(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Init(arguments) => init::init(&arguments),
+        Command::Export(arguments) => export::export(&arguments, interrupt),
+        Command::Band(arguments) => band::band(&arguments, interrupt),
+        Command::Converge(arguments) => converge::converge(&arguments, interrupt),
+        Command::Modes(arguments) => modes::modes(&arguments, interrupt),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     }
@@ -90,13 +125,31 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
     let input = error.is::<UsageError>()
         || error.is::<MachineError>()
         || error.is::<MeshError>()
+        || error.is::<StudyError>()
+        || error.downcast_ref::<TableError>().is_some_and(TableError::is_input)
+        || error.downcast_ref::<SweepError>().is_some_and(is_design_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
         || error.downcast_ref::<ResponseError>().is_some_and(ResponseError::is_input)
         || error
             .downcast_ref::<FrfError>()
             .is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))
         || matches!(error.downcast_ref::<GpuError>(), Some(GpuError::Request(_)));
+    || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
+        (Some(e), _) | (_, Some(GpuError::Request(e))) => {
+            !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. })
+        }
+        _ => false,
+    };
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
+}
+
+/// Whether a study asks for what its machine or the route cannot be.
+fn is_design_input(error: &SweepError) -> bool {
+    match error {
+        SweepError::Coupling(error) => !matches!(error, CouplingError::Basis(_)),
+        SweepError::NeedsModes | SweepError::Value { .. } => true,
+        _ => false,
+    }
 }
 
 /// An error with its causes, each said once.
@@ -110,6 +163,24 @@ pub fn describe(error: &anyhow::Error) -> String {
             format!("{said}: {cause}")
         }
     })
+}
+
+/// The position asked for, or the first of the travel.
+fn position(machine: &Machine, asked: Option<f64>) -> Result<f64, UsageError> {
+    let [from, to] = machine.axis.travel;
+    let position = asked.unwrap_or(from);
+    if (from.min(to) - 1e-9..=from.max(to) + 1e-9).contains(&position) {
+        return Ok(position);
+    }
+    Err(UsageError(format!(
+        "--position: {position} m is outside the travel of axis \"{}\", {from} to {to} m",
+        machine.axis.name
+    )))
+}
+
+/// The number of modes asked for, which must be one at least.
+fn at_least_one(modes: usize) -> Result<usize, UsageError> {
+    if modes == 0 { Err(UsageError("--modes: 0 is not allowed; at least 1".into())) } else { Ok(modes) }
 }
 
 /// The machine file that a command means: the one named, or the bundled mill in a folder of its own.

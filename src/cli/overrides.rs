@@ -1,17 +1,20 @@
 //! Command-line values that take the place of the machine file's.
 
-use super::UsageError;
+use super::{UsageError, frequencies};
 use clap::Args;
-use stiffmap::machine::Machine;
+use stiffmap::machine::{Machine, Quantity};
 
 #[derive(Args, Debug, Default)]
 pub struct Overrides {
     /// Positions in m: a list `0,-0.15,-0.3` or a range `0:-0.6:0.005`
     #[arg(long, visible_alias = "position", allow_hyphen_values = true, value_name = "LIST|RANGE")]
     positions: Option<String>,
-    /// Frequencies in Hz: a list or a range `0:900:1`
-    #[arg(long, allow_hyphen_values = true, value_name = "LIST|RANGE")]
+    /// Frequencies in Hz: a list, a range `0:900:1`, `logarithmic:1:900:500` (from, to, count) or `clustered:0:900`
+    #[arg(long, allow_hyphen_values = true, value_name = "LIST|RANGE|GRID")]
     frequencies: Option<String>,
+    /// What the map holds: receptance, mobility or accelerance
+    #[arg(long, value_name = "receptance|mobility|accelerance")]
+    quantity: Option<String>,
     /// Viscous damping ratio of all modes; takes the place of all damping in the machine file
     #[arg(long, allow_hyphen_values = true, value_name = "ZETA")]
     damping: Option<f64>,
@@ -29,17 +32,12 @@ impl Overrides {
     /// Puts the values into the machine and returns the positions.
     pub fn apply(&self, machine: &mut Machine) -> Result<Vec<f64>, UsageError> {
         if let Some(text) = &self.frequencies {
-            let frequencies = numbers("--frequencies", text)?;
-            if let Some(bad) = frequencies.iter().find(|f| **f < 0.0) {
-                return Err(UsageError(format!("--frequencies: {bad} Hz is negative; 0 Hz and above are allowed")));
-            }
-            if let Some(pair) = frequencies.windows(2).find(|p| p[1] <= p[0]) {
-                return Err(UsageError(format!(
-                    "--frequencies: {} Hz follows {} Hz; they must ascend",
-                    pair[1], pair[0]
-                )));
-            }
-            machine.analysis.frequencies = frequencies;
+            (machine.analysis.frequencies, machine.analysis.grid) = frequencies::parse(text)?;
+        }
+        if let Some(name) = &self.quantity {
+            machine.analysis.quantity = Quantity::named(name).ok_or_else(|| {
+                UsageError(format!("--quantity: \"{name}\"; allowed are receptance, mobility, accelerance"))
+            })?;
         }
         if let Some(zeta) = self.damping {
             if !(0.0..1.0).contains(&zeta) {
@@ -80,7 +78,7 @@ impl Overrides {
 }
 
 /// A list `a,b,c` or a range `from:to:step`; the end is included when a step meets it.
-fn numbers(flag: &str, text: &str) -> Result<Vec<f64>, UsageError> {
+pub(super) fn numbers(flag: &str, text: &str) -> Result<Vec<f64>, UsageError> {
     let number = |part: &str| {
         let value: Result<f64, _> = part.trim().parse();
         value.ok().filter(|v| v.is_finite()).ok_or_else(|| {

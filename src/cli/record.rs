@@ -1,12 +1,15 @@
 //! What a run writes into its manifest.
 
-use super::run::Arguments;
+use super::map::{Axes, Map};
+use super::run::{Arguments, Outcome};
+use super::summary;
 use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::Path;
 use stiffmap::export::manifest::Manifest;
+use stiffmap::export::response::unit;
 use stiffmap::frf::Truncation;
-use stiffmap::machine::Machine;
+use stiffmap::machine::{Machine, Quantity};
 use stiffmap::pipeline::Solved;
 use stiffmap::reduction::Superelement;
 
@@ -21,7 +24,7 @@ pub fn input(manifest: &mut Manifest, machine: &Machine) -> Result<()> {
         Ok(())
     };
     add(&machine.file)?;
-    machine.parts.iter().try_for_each(|part| add(&part.mesh))
+    machine.parts.iter().flat_map(|part| part.files()).try_for_each(add)
 }
 
 /// Sizes before and after each step.
@@ -42,7 +45,6 @@ pub fn size(
     counts.push("fixed_basis_coordinates", basis as u64);
     counts.push("springs", machine.joints.iter().map(|j| j.springs.len()).sum::<usize>() as u64);
     counts.push("positions", solved.modes.len() as u64);
-    counts.push("frequencies", machine.analysis.frequencies.len() as u64);
     counts.push("elastic_modes_reported", machine.analysis.modes as u64);
     counts.push("modes_in_map_fewest", truncation.fewest_modes as u64);
     counts.push("modes_in_map_most", truncation.most_modes as u64);
@@ -53,6 +55,7 @@ pub fn settings(manifest: &mut Manifest, machine: &Machine, arguments: &Argument
     let settings = &mut manifest.settings;
     let damping = &machine.analysis.damping;
     settings.push("axis", json!(machine.axis.name));
+    settings.push("frequency_grid", json!(machine.analysis.grid.name()));
     settings.push("component_modes", json!(machine.analysis.component.modes));
     settings.push("reduction", json!(format!("{:?}", machine.analysis.component.method)));
     settings.push("second_moment", json!(machine.analysis.component.second_moment));
@@ -64,4 +67,30 @@ pub fn settings(manifest: &mut Manifest, machine: &Machine, arguments: &Argument
         settings.push("residual_degree", json!(degree));
     }
     settings.push("truncation_error", json!(truncation.error));
+}
+
+/// What the map holds, and whether it was streamed.
+pub fn map(manifest: &mut Manifest, axes: &Axes, map: &Map, limit: u64) {
+    let settings = &mut manifest.settings;
+    settings.push("quantity", json!(axes.quantity.name()));
+    settings.push("unit", json!(unit(axes.quantity)));
+    settings.push("map_bytes", json!(axes.bytes()));
+    settings.push("map_memory_bytes", json!(limit));
+    settings.push("map_streamed", json!(matches!(map, Map::Streamed(_))));
+    if let Map::Streamed(streamed) = map {
+        settings.push("map_tiles", json!(streamed.tiles));
+        settings.push("map_tile_bytes", json!(streamed.tile_bytes));
+    }
+}
+
+/// The extrema over positions and frequencies, under the name that they have for the quantity.
+pub fn extrema(manifest: &mut Manifest, outcome: &Outcome) {
+    let settings = &mut manifest.settings;
+    match outcome.axes.quantity {
+        Quantity::Receptance => {
+            settings.push("smallest_dynamic_stiffness", json!(summary::smallest_stiffness(outcome)));
+        }
+        quantity => settings.push(format!("largest_{}", quantity.name()), json!(summary::largest(outcome))),
+    }
+    settings.push("most_negative_real_part", json!(summary::most_negative_real(outcome)));
 }

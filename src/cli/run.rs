@@ -1,26 +1,28 @@
 //! `stiffmap run`: the main job.
 
+use super::map::{Axes, Map, compute_map};
+use super::memory::{map_limit, parse_size};
 use super::overrides::Overrides;
+use super::pictures::picture_map;
 use super::progress::Progress;
 use super::states::StateArguments;
-use super::{cache_folder, machine_path, record, summary};
+use super::{UsageError, cache_folder, frequencies, machine_path, record, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::export::manifest::{Check, Manifest};
-use stiffmap::export::{eigenfrequencies, mat, surface};
+use stiffmap::export::{eigenfrequencies, mat5};
 use stiffmap::figures::{FigureInput, HeightScale, draw_all};
-use stiffmap::frf::metrics::{PairMetrics, direct_pairs, metrics};
-use stiffmap::frf::{
-    ComplianceMap, FrfRequest, ModalSystem, Quantity, Selection, Truncation, modal_sum, modal_systems,
-};
-use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision, compute};
+use stiffmap::frf::metrics::PairMetrics;
+use stiffmap::frf::{FrfRequest, ModalSystem, Selection, Truncation, modal_systems};
+use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, read_machine};
 use stiffmap::modal::{ModeTableRow, mode_table};
 use stiffmap::pipeline::{self, PipelineError, Solved};
 use stiffmap::reduction::Cache;
+use stiffmap::state_space::StateSpaceOptions;
 
 /// Tolerance of the truncation, relative to the Frobenius norm of the receptance.
 const TRUNCATION: f64 = 1e-4;
@@ -42,6 +44,10 @@ pub struct Arguments {
     /// Precision on a device: f32 or f64 (the processor always uses f64)
     #[arg(long, default_value = "f32", value_name = "f32|f64", value_parser = parse_precision)]
     precision: Precision,
+    /// Largest map held in memory, such as 512MB or 2GiB; a larger one is streamed to compliance.npy (0: always).
+    /// Without it a quarter of the available memory, at most 2 GiB
+    #[arg(long, value_name = "SIZE", value_parser = parse_size)]
+    map_memory: Option<u64>,
     /// Output folder; results/<machine> without it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -56,7 +62,7 @@ pub struct Arguments {
     json: bool,
 }
 
-fn parse_backend(text: &str) -> Result<Backend, String> {
+pub(super) fn parse_backend(text: &str) -> Result<Backend, String> {
     text.parse()
 }
 
@@ -75,7 +81,8 @@ pub struct Outcome {
     pub table: Vec<ModeTableRow>,
     pub free_motions: Vec<String>,
     pub truncation: Truncation,
-    pub map: ComplianceMap,
+    pub axes: Axes,
+    pub map: Map,
     pub backend: BackendReport,
     /// `[position][direct pair]`.
     pub metrics: Vec<Vec<PairMetrics>>,
@@ -117,8 +124,15 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             1e-5,
         ));
     }
-    let solved = progress.stage("modes", positions.len(), |step| {
-        pipeline::solve_positions(&machine, &model, &positions, reported, interrupt, step)
+    let (outputs, inputs) = (model.output_names(), model.input_names());
+    let (given, quantity) = (machine.analysis.frequencies.clone(), machine.analysis.quantity);
+    let mut axes = Axes { positions, frequencies: given, outputs, inputs, quantity };
+    check_state_space(axes.positions.len(), reported)?;
+    let limit = map_limit(arguments.map_memory);
+    let shapes = (axes.positions.len() * model.n() * model.n() * size_of::<f64>()) as u64;
+    let solve = if axes.bytes() + shapes > limit { pipeline::solve_many_positions } else { pipeline::solve_positions };
+    let solved = progress.stage("modes", axes.positions.len(), |step| {
+        solve(&machine, &model, &axes.positions, reported, interrupt, step)
     })?;
     checks.push(figure(
         "modes found minus modes counted by inertia, largest over the positions",
@@ -140,23 +154,19 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             TRUNCATION,
         ));
     }
-    let (outputs, inputs) = (model.output_names(), model.input_names());
-    let request = FrfRequest {
-        positions: &positions,
-        systems: &systems,
-        frequencies: &machine.analysis.frequencies,
-        outputs: &outputs,
-        inputs: &inputs,
-        quantity: Quantity::Receptance,
-    };
+    axes.frequencies = frequencies::around_modes(&machine.analysis, &systems)?;
+    let request = axes.request(&systems);
     let options = BackendOptions {
         backend: arguments.backend,
         precision: arguments.precision,
         cache_dir: if arguments.no_cache { None } else { cache_folder() },
     };
-    let (map, backend) = progress.stage("compliance map", 0, |_| compute(&request, &options))?;
+    let streams = axes.bytes() > limit;
+    let (map, backend) = progress.stage("compliance map", axes.positions.len(), |step| {
+        compute_map(&request, &options, streams, &out, interrupt, step)
+    })?;
     let undamped = undamped_in_band(&request);
-    let metrics = if undamped.is_none() { metrics(&request, &map, &direct_pairs(&request))? } else { Vec::new() };
+    let metrics = if undamped.is_none() { map.metrics(&request)? } else { Vec::new() };
     if let Some(frequency) = undamped {
         warnings
             .push(format!("the mode at {frequency:.3} Hz has no damping, so no smallest dynamic stiffness is given"));
@@ -175,7 +185,9 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     };
     record::input(&mut manifest, &machine)?;
     record::size(&mut manifest, &superelements, model.n(), &solved, &machine, &truncation);
+    manifest.counts.push("frequencies", axes.frequencies.len() as u64);
     record::settings(&mut manifest, &machine, arguments, &truncation, band);
+    record::map(&mut manifest, &axes, &map, limit);
     manifest.counts.push("parts_from_cache", hits as u64);
     let free_motions = summary::free_motions(&solved, &model);
     manifest.settings.push("free_motions", json!(free_motions));
@@ -187,19 +199,34 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         machine,
         solved,
         truncation,
+        axes,
         map,
         backend,
         metrics,
         out,
     };
-    manifest.settings.push("smallest_dynamic_stiffness", json!(summary::smallest_stiffness(&outcome)));
-    write(&outcome, &request_for_figures(&outcome, &systems), arguments, &mut progress, &mut manifest, interrupt)?;
+    record::extrema(&mut manifest, &outcome);
+    let states = arguments.states.options(reported, !arguments.no_residual);
+    write(&outcome, &systems, states, arguments, &mut progress, &mut manifest, interrupt)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {
         summary::print(&outcome, &manifest, &progress);
     }
     Ok(())
+}
+
+/// Refuses before the long computation what `state_space.mat` could not hold after it.
+fn check_state_space(positions: usize, modes: usize) -> Result<(), UsageError> {
+    let bytes = positions as u64 * (2 * modes as u64).pow(2) * size_of::<f64>() as u64;
+    if bytes <= mat5::LIMIT {
+        return Ok(());
+    }
+    Err(UsageError(format!(
+        "{positions} positions of {modes} modes make a state_space.mat of {:.1} GB, whose format holds 2.1 GB; \
+         ask for fewer positions (--positions) or modes ([analysis] modes)",
+        bytes as f64 * 1e-9
+    )))
 }
 
 /// Frequency (Hz) of a mode inside the grid's range that nothing damps: its peak is unbounded.
@@ -215,33 +242,26 @@ fn undamped_in_band(request: &FrfRequest<'_>) -> Option<f64> {
 /// Writes every file, the manifest last.
 fn write(
     outcome: &Outcome,
-    systems: &FigureRequest<'_>,
+    systems: &[ModalSystem],
+    states: StateSpaceOptions,
     arguments: &Arguments,
     progress: &mut Progress,
     manifest: &mut Manifest,
     interrupt: &Interrupt,
 ) -> Result<()> {
     let go_on = || if interrupt.requested() { Err(PipelineError::Interrupted) } else { Ok(()) };
-    let (out, map) = (&outcome.out, &outcome.map);
+    let (out, axes) = (&outcome.out, &outcome.axes);
     let mut files: Vec<String> = Vec::new();
     progress.stage("write files", 0, |_| -> Result<()> {
         go_on()?;
         eigenfrequencies::write_families(&out.join("eigenfrequencies.csv"), &outcome.solved.families)?;
         eigenfrequencies::write_mode_table(&out.join("mode_table.csv"), &outcome.table)?;
         go_on()?;
-        mat::write_compliance(&out.join("compliance.mat"), map)?;
+        let names = (&axes.outputs[..], &axes.inputs[..]);
+        arguments.states.write(&out.join("state_space.mat"), &outcome.solved.modes, states, names, manifest)?;
         go_on()?;
-        arguments.states.write(
-            &out.join("state_space.mat"),
-            &outcome.solved.modes,
-            outcome.machine.analysis.modes,
-            !arguments.no_residual,
-            (&map.outputs, &map.inputs),
-            manifest,
-        )?;
-        go_on()?;
-        files.extend(["eigenfrequencies.csv", "mode_table.csv", "compliance.mat", "state_space.mat"].map(String::from));
-        files.extend(surface::write_direct_surfaces(out, map)?.iter().map(|p| relative(p, out)));
+        files.extend(["eigenfrequencies.csv", "mode_table.csv", "state_space.mat"].map(String::from));
+        files.extend(outcome.map.write(out)?);
         Ok(())
     })?;
     if !arguments.no_figures {
@@ -249,7 +269,7 @@ fn write(
             go_on()?;
             let folder = out.join("figures");
             std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-            let fine = modal_sum(&systems.request())?;
+            let fine = picture_map(axes, systems, interrupt)?;
             go_on()?;
             let input = FigureInput {
                 machine: &outcome.machine.name,
@@ -272,44 +292,6 @@ fn write(
     Ok(())
 }
 
-/// The request that pictures are drawn from: the same modes on a grid fine enough for narrow peaks.
-struct FigureRequest<'a> {
-    map: &'a ComplianceMap,
-    systems: &'a [ModalSystem],
-    frequencies: Vec<f64>,
-}
-
-impl FigureRequest<'_> {
-    fn request(&self) -> FrfRequest<'_> {
-        FrfRequest {
-            positions: &self.map.positions,
-            systems: self.systems,
-            frequencies: &self.frequencies,
-            outputs: &self.map.outputs,
-            inputs: &self.map.inputs,
-            quantity: Quantity::Receptance,
-        }
-    }
-}
-
-/// Frequencies a picture is made of, at least; a coarser grid is divided.
-const PICTURE_FREQUENCIES: usize = 3600;
-/// Values that a picture's map may hold.
-const PICTURE_VALUES: usize = 6_000_000;
-
-fn request_for_figures<'a>(outcome: &'a Outcome, systems: &'a [ModalSystem]) -> FigureRequest<'a> {
-    let (map, given) = (&outcome.map, &outcome.map.frequencies);
-    let pairs = map.positions.len() * map.outputs.len() * map.inputs.len();
-    let wanted = PICTURE_FREQUENCIES.min(PICTURE_VALUES / pairs.max(1));
-    let divide = (wanted / given.len().max(1)).max(1);
-    let mut frequencies: Vec<f64> = given
-        .windows(2)
-        .flat_map(|w| (0..divide).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / divide as f64))
-        .collect();
-    frequencies.extend(given.last());
-    FigureRequest { map, systems, frequencies }
-}
-
 pub(super) fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {
     let of_part = |(part, file): (&stiffmap::machine::Part, &stiffmap::mesh::MeshFile)| {
         let name = part.mesh.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -322,7 +304,7 @@ pub(super) fn figure(name: &str, figure: f64, bound: f64) -> Check {
     Check { name: name.into(), figure, bound, passed: figure <= bound }
 }
 
-fn without_nulls(value: serde_json::Value) -> serde_json::Value {
+pub(super) fn without_nulls(value: serde_json::Value) -> serde_json::Value {
     match value {
         serde_json::Value::Object(map) => {
             map.into_iter().filter(|(_, v)| !v.is_null()).map(|(k, v)| (k, without_nulls(v))).collect()

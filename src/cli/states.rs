@@ -4,11 +4,12 @@ use super::UsageError;
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
+use std::borrow::Cow;
 use std::path::Path;
 use stiffmap::export::manifest::Manifest;
 use stiffmap::export::mat;
 use stiffmap::modal::Modes;
-use stiffmap::state_space::{Database, Hold, StateSpaceError, StateSpaceOptions, discretise, state_space};
+use stiffmap::state_space::{Database, Hold, StateSpace, StateSpaceError, StateSpaceOptions, discretise, state_space};
 
 #[derive(Args, Debug, Default)]
 pub struct StateArguments {
@@ -45,38 +46,47 @@ impl StateArguments {
         }
     }
 
+    /// Rows and D of the systems.
+    pub fn options(&self, modes: usize, residual: bool) -> StateSpaceOptions {
+        StateSpaceOptions { modes, velocity: self.velocity, acceleration: self.acceleration, residual }
+    }
+
     /// Writes `state_space.mat` of all positions.
     pub fn write(
         &self,
         path: &Path,
         modes: &[Modes],
-        kept: usize,
-        residual: bool,
+        options: StateSpaceOptions,
         (outputs, inputs): (&[String], &[String]),
         manifest: &mut Manifest,
     ) -> Result<()> {
-        let (velocity, acceleration) = (self.velocity, self.acceleration);
-        let options = StateSpaceOptions { modes: kept, velocity, acceleration, residual };
-        let mut database = match Database::new(modes, options) {
-            Err(StateSpaceError::Order { .. }) => {
-                manifest.warnings.push(
-                    "the positions neither all ascend nor all descend: state_space.mat holds no aligned matrices"
-                        .into(),
-                );
-                let states = modes.iter().map(|m| state_space(m, options)).collect();
-                Database { states, aligned: Vec::new(), leave_one_out: Vec::new(), options, free: 0 }
-            }
-            made => made?,
-        };
-        if let Some(figure) = database.worst_leave_one_out() {
-            manifest.settings.push("state_space_leave_one_out", json!(figure));
-        }
         let discrete = self.sample_time.map(|time| (time, self.hold.unwrap_or(Hold::Zero)));
         if let Some((time, hold)) = discrete {
-            database.states = database.states.iter().map(|s| discretise(s, time, hold)).collect();
             manifest.settings.push("sample_time_s", json!(time));
             manifest.settings.push("hold", json!(hold.name()));
         }
-        Ok(mat::write_database(path, &database, outputs, inputs, discrete)?)
+        let written = |system: StateSpace| match discrete {
+            Some((time, hold)) => discretise(&system, time, hold),
+            None => system,
+        };
+        // Of very many positions the shapes have been given up, and one system is held at a time.
+        let shapes_are_kept = modes.iter().all(|m| !m.shapes.is_empty());
+        let database = if shapes_are_kept { Some(Database::new(modes, options)) } else { None };
+        let reason = match database {
+            Some(Ok(mut database)) => {
+                if let Some(figure) = database.worst_leave_one_out() {
+                    manifest.settings.push("state_space_leave_one_out", json!(figure));
+                }
+                database.states = database.states.into_iter().map(written).collect();
+                return Ok(mat::write_database(path, &database, outputs, inputs, discrete)?);
+            }
+            Some(Err(StateSpaceError::Order { .. })) => "the positions neither all ascend nor all descend",
+            Some(Err(error)) => return Err(error.into()),
+            None => "so many positions are solved without keeping their shapes (--map-memory)",
+        };
+        manifest.warnings.push(format!("{reason}: state_space.mat holds no aligned matrices"));
+        let state = |i: usize| Cow::Owned(written(state_space(&modes[i], options)));
+        let labels = mat::StateLabels { outputs, inputs, options, discrete };
+        Ok(mat::write_state_spaces(path, modes.len(), &state, &labels)?)
     }
 }

@@ -1,10 +1,15 @@
 //! What the terminal shows at the end of a run.
 
+use super::map::Map;
 use super::progress::Progress;
 use super::run::Outcome;
 use serde::Serialize;
+use std::cmp::Ordering;
 use stiffmap::coupling::CoupledModel;
 use stiffmap::export::manifest::Manifest;
+use stiffmap::export::response::unit;
+use stiffmap::frf::metrics::{Extremum, PairMetrics};
+use stiffmap::machine::Quantity;
 use stiffmap::modal::ModeFamilies;
 use stiffmap::pipeline::Solved;
 
@@ -21,23 +26,94 @@ pub struct Weakest {
     pub frequency_hz: f64,
 }
 
-/// The smallest element-wise dynamic stiffness of each direct response.
-pub fn smallest_stiffness(outcome: &Outcome) -> Vec<Weakest> {
+/// The extreme value of a direction over positions and frequencies.
+#[derive(Clone, Debug, Serialize)]
+pub struct Extreme {
+    /// Output and input, such as `x`.
+    pub direction: String,
+    /// The value, in the map's unit.
+    pub value: f64,
+    /// Position, m.
+    pub position_m: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+/// Of each direct response the extremum over the positions that comes first by `order`.
+fn extremes(
+    outcome: &Outcome,
+    of: impl Fn(&PairMetrics) -> Extremum,
+    order: impl Fn(f64, f64) -> Ordering,
+) -> Vec<Extreme> {
     let pairs = outcome.metrics.first().map_or(0, Vec::len);
     (0..pairs)
         .filter_map(|k| {
-            let weakest = outcome.metrics.iter().zip(&outcome.map.positions).min_by(|(a, _), (b, _)| {
-                a[k].smallest_dynamic_stiffness().total_cmp(&b[k].smallest_dynamic_stiffness())
-            });
-            let (metrics, &position_m) = weakest?;
-            Some(Weakest {
-                direction: outcome.map.outputs[metrics[k].output].clone(),
-                stiffness_n_per_m: metrics[k].smallest_dynamic_stiffness(),
-                position_m,
-                frequency_hz: metrics[k].peak.frequency,
-            })
+            let at = |(metrics, &position): (&Vec<PairMetrics>, &f64)| (of(&metrics[k]), metrics[k].output, position);
+            let all = outcome.metrics.iter().zip(&outcome.axes.positions).map(at);
+            let (extremum, output, position_m) = all.min_by(|a, b| order(a.0.value, b.0.value))?;
+            let direction = outcome.axes.outputs[output].clone();
+            Some(Extreme { direction, value: extremum.value, position_m, frequency_hz: extremum.frequency })
         })
         .collect()
+}
+
+/// The largest magnitude of each direct response.
+pub fn largest(outcome: &Outcome) -> Vec<Extreme> {
+    extremes(outcome, |m| m.peak, |a, b| b.total_cmp(&a))
+}
+
+/// The most negative real part of each direct response.
+pub fn most_negative_real(outcome: &Outcome) -> Vec<Extreme> {
+    extremes(outcome, |m| m.most_negative_real, |a, b| a.total_cmp(&b))
+}
+
+/// The smallest element-wise dynamic stiffness of each direct response.
+pub fn smallest_stiffness(outcome: &Outcome) -> Vec<Weakest> {
+    let weakest = |e: Extreme| Weakest {
+        direction: e.direction,
+        stiffness_n_per_m: e.value.recip(),
+        position_m: e.position_m,
+        frequency_hz: e.frequency_hz,
+    };
+    largest(outcome).into_iter().map(weakest).collect()
+}
+
+/// The extrema in lines.
+fn extrema_lines(outcome: &Outcome) -> Vec<String> {
+    if outcome.metrics.is_empty() {
+        return Vec::new();
+    }
+    let axis = &outcome.machine.axis.name;
+    let place = |position: f64, frequency: f64| format!("at {axis} = {position:.3} m, {frequency:.1} Hz");
+    match outcome.axes.quantity {
+        Quantity::Receptance => {
+            let line = |w: Weakest| {
+                let stiffness = w.stiffness_n_per_m * 1e-6;
+                format!("  {:<8} {stiffness:8.3} N/um   {}", w.direction, place(w.position_m, w.frequency_hz))
+            };
+            let heading = "\nsmallest dynamic stiffness 1/|H| (element-wise)".to_string();
+            std::iter::once(heading).chain(smallest_stiffness(outcome).into_iter().map(line)).collect()
+        }
+        quantity => {
+            let unit = unit(quantity);
+            let line = |e: Extreme| {
+                format!("  {:<8} {:10.3e} {unit}   {}", e.direction, e.value, place(e.position_m, e.frequency_hz))
+            };
+            let heading = format!("\nlargest {} |H|", quantity.name());
+            std::iter::once(heading).chain(largest(outcome).into_iter().map(line)).collect()
+        }
+    }
+}
+
+/// Where the map went if it did not stay in memory.
+fn streamed_line(outcome: &Outcome) -> Option<String> {
+    let Map::Streamed(streamed) = &outcome.map else { return None };
+    Some(format!(
+        "the map of {:.2} GB was streamed to compliance.npy in {} tiles of at most {:.0} MB",
+        outcome.axes.bytes() as f64 * 1e-9,
+        streamed.tiles,
+        streamed.tile_bytes as f64 * 1e-6
+    ))
 }
 
 /// The names of the motions at 0 Hz at the first position, and how many more there are elsewhere.
@@ -67,8 +143,8 @@ pub fn print(outcome: &Outcome, manifest: &Manifest, progress: &Progress) {
     line(format!(
         "\n{}: {} positions along {axis}, {} frequencies",
         outcome.machine.name,
-        outcome.map.positions.len(),
-        outcome.map.frequencies.len()
+        outcome.axes.positions.len(),
+        outcome.axes.frequencies.len()
     ));
     for free in &outcome.free_motions {
         line(format!("free motion at 0 Hz: {free}"));
@@ -89,18 +165,7 @@ pub fn print(outcome: &Outcome, manifest: &Manifest, progress: &Progress) {
     for veering in veerings(&outcome.solved.families) {
         line(veering);
     }
-    if !outcome.metrics.is_empty() {
-        line("\nsmallest dynamic stiffness 1/|H| (element-wise)".into());
-    }
-    for weakest in smallest_stiffness(outcome) {
-        line(format!(
-            "  {:<8} {:8.3} N/um   at {axis} = {:.3} m, {:.1} Hz",
-            weakest.direction,
-            weakest.stiffness_n_per_m * 1e-6,
-            weakest.position_m,
-            weakest.frequency_hz
-        ));
-    }
+    extrema_lines(outcome).into_iter().chain(streamed_line(outcome)).for_each(&mut line);
     let truncation = &outcome.truncation;
     let rest = truncation.degree.map_or_else(|| "no residual".into(), |d| format!("residual of degree {d} in j omega"));
     line(format!(

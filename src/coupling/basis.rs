@@ -9,7 +9,7 @@
 
 use super::CouplingError;
 use super::side_by_side::SideBySide;
-use crate::linalg::{multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
+use crate::linalg::{LinalgError, multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -23,6 +23,8 @@ pub struct BasisOptions {
     /// Inertia of a static response that may be cut at `frequency`, as a share of the joint's own
     /// flexibility; the square root of it.
     pub tolerance: f64,
+    /// Designs may stiffen a joint up to this factor without a new basis.
+    pub stiffest: f64,
 }
 
 impl BasisOptions {
@@ -31,12 +33,9 @@ impl BasisOptions {
     /// On the bundled mill, 900 Hz: 272 coordinates and 1e-6 of the first 30 frequencies against the
     /// superelements side by side, over the travel.
     pub fn up_to(frequency: f64) -> Self {
-        Self { frequency, band: 2.0 * frequency, tolerance: 1.5e-3 }
+        Self { frequency, band: 2.0 * frequency, tolerance: 1.5e-3, stiffest: 4.0 }
     }
 }
-
-/// Designs may stiffen a joint up to this factor without a new basis.
-const STIFFEST: f64 = 4.0;
 
 /// Training positions lie at most this share of the shortest footprint apart.
 const SPACING: f64 = 0.28;
@@ -74,36 +73,27 @@ impl FixedBasis {
         let high_eigenvalues: Vec<f64> = high.iter().map(|&i| machine.eigenvalues[i]).collect();
         let mut basis =
             Self { low, high, high_eigenvalues, directions: DMatrix::zeros(0, 0), eigenvalues: DVector::zeros(0) };
-        let responses = basis.training_responses(machine, (TAU * options.frequency).powi(2))?;
+        let responses = basis.training_responses(machine, (TAU * options.frequency).powi(2), options.stiffest)?;
         let span = orthonormal_span(&responses, options.tolerance)?;
-        let mut weighted = span.clone();
-        for (mut row, l) in weighted.row_iter_mut().zip(&basis.high_eigenvalues) {
-            row *= *l;
-        }
-        let stiffness = multiply_transposed(&span, &weighted);
-        let eigen = symmetric_eigen(&(0.5 * (&stiffness + stiffness.transpose())))?;
-        basis.directions = multiply(&span, &eigen.vectors);
-        let kept = basis.low.iter().map(|&i| machine.eigenvalues[i]).chain(eigen.values.iter().copied());
+        let (directions, values) = stiffness_axes(&span, &basis.high_eigenvalues)?;
+        basis.directions = directions;
+        let kept = basis.low.iter().map(|&i| machine.eigenvalues[i]).chain(values.iter().copied());
         basis.eigenvalues = DVector::from_vec(kept.collect());
         Ok(basis)
     }
 
     /// Columns omega Lambda^-1 b and omega^3 Lambda^-2 b, relative to each spring's own flexibility
     /// in series with that of the high coordinates.
-    fn training_responses(&self, machine: &SideBySide, omega_squared: f64) -> Result<DMatrix<f64>, CouplingError> {
+    fn training_responses(
+        &self,
+        machine: &SideBySide,
+        omega_squared: f64,
+        stiffest: f64,
+    ) -> Result<DMatrix<f64>, CouplingError> {
         let lambda = &self.high_eigenvalues;
         let mut columns: Vec<DVector<f64>> = Vec::new();
         let mut push = |row: &[f64], flexibility: f64| {
-            let unit = (row.iter().zip(lambda).map(|(b, l)| b * b / l).sum::<f64>() + flexibility).sqrt();
-            if unit > 0.0 {
-                let scale = omega_squared.sqrt() / unit;
-                let first = DVector::from_iterator(row.len(), row.iter().zip(lambda).map(|(b, l)| scale * b / l));
-                columns.push(DVector::from_iterator(
-                    row.len(),
-                    first.iter().zip(lambda).map(|(v, l)| v * omega_squared / l),
-                ));
-                columns.push(first);
-            }
+            columns.extend(inertia_columns(row, lambda, flexibility, omega_squared).into_iter().flatten());
         };
         for port in machine.outputs.iter().chain(&machine.inputs) {
             push(&self.high.iter().map(|&i| port.row[i]).collect::<Vec<_>>(), 0.0);
@@ -112,7 +102,7 @@ impl FixedBasis {
         let rows = positions.iter().map(|&p| machine.rows(p)).collect::<Result<Vec<_>, _>>()?;
         let stiffness = positions.iter().map(|&p| machine.stiffness(p)).collect::<Result<Vec<_>, _>>()?;
         for s in 0..rows[0].nrows() {
-            let stiffest = STIFFEST * stiffness.iter().map(|k| k[s]).fold(0.0, f64::max);
+            let stiffest = stiffest * stiffness.iter().map(|k| k[s]).fold(0.0, f64::max);
             let flexibility = if stiffest > 0.0 { 1.0 / stiffest } else { 0.0 };
             let mut previous: Option<Vec<f64>> = None;
             for rows in &rows {
@@ -198,6 +188,34 @@ impl FixedBasis {
     fn high_of(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         DMatrix::from_fn(rows.nrows(), self.high.len(), |s, k| rows[(s, self.high[k])])
     }
+}
+
+/// Columns omega^3 Lambda^-2 b and omega Lambda^-1 b of a row over coordinates with eigenvalues lambda, relative to
+/// the root of a flexibility in series with the row's own; none if both are zero.
+pub(super) fn inertia_columns(
+    row: &[f64],
+    lambda: &[f64],
+    flexibility: f64,
+    omega_squared: f64,
+) -> Option<[DVector<f64>; 2]> {
+    let unit = (row.iter().zip(lambda).map(|(b, l)| b * b / l).sum::<f64>() + flexibility).sqrt();
+    (unit > 0.0).then(|| {
+        let scale = omega_squared.sqrt() / unit;
+        let first = DVector::from_iterator(row.len(), row.iter().zip(lambda).map(|(b, l)| scale * b / l));
+        let second = first.iter().zip(lambda).map(|(v, l)| v * omega_squared / l);
+        [DVector::from_iterator(row.len(), second), first]
+    })
+}
+
+/// The orthonormal directions of a span that diagonalise diag(lambda), and their eigenvalues.
+pub(super) fn stiffness_axes(span: &DMatrix<f64>, lambda: &[f64]) -> Result<(DMatrix<f64>, DVector<f64>), LinalgError> {
+    let mut weighted = span.clone();
+    for (mut row, l) in weighted.row_iter_mut().zip(lambda) {
+        row *= *l;
+    }
+    let stiffness = multiply_transposed(span, &weighted);
+    let eigen = symmetric_eigen(&(0.5 * (&stiffness + stiffness.transpose())))?;
+    Ok((multiply(span, &eigen.vectors), eigen.values))
 }
 
 /// Positions over the whole travel, at most a fraction of a footprint apart.

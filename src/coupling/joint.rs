@@ -1,11 +1,10 @@
 //! One joint in reduced coordinates: its rows and stiffness at any position.
 
 use super::CouplingError;
-use crate::machine::{Axis, Contact, JointKind, Motion, SpringStiffness};
+use crate::machine::{Axis, Contact, JointKind, Motion, ScrewSupport, SpringStiffness};
 use crate::reduction::{LEAST_SHARE, ReducedInterface, ReducedRail};
 use crate::solid::rotation_arm;
 use nalgebra::{DMatrix, RowDVector};
-use std::f64::consts::PI;
 
 /// A spring of a joint.
 #[derive(Clone, Debug)]
@@ -110,27 +109,56 @@ impl CoupledJoint {
         })
     }
 
-    /// Free length of a ball screw along a direction, m, as the whole model uses it.
-    pub fn length(&self, position: f64, axis: &Axis, direction: [f64; 3]) -> f64 {
-        free_length(self.centroids, self.sides.each_ref().map(|side| side.moves), position, axis, direction)
+    /// Free length of a ball screw along a direction, m: `at_zero` at position 0, or as drawn without it.
+    pub fn length(&self, position: f64, axis: &Axis, direction: [f64; 3], at_zero: Option<f64>) -> f64 {
+        let moves = self.sides.each_ref().map(|side| side.moves);
+        free_length(self.centroids, moves, position, axis, direction, at_zero)
     }
 
-    /// Stiffness of each spring, N/m or N m/rad; a ball screw's is E pi D^2 / (4 L).
+    /// Stiffness of each spring, N/m or N m/rad.
     ///
     /// # Errors
-    /// [`CouplingError::ScrewLength`] if a screw's free length is not positive.
+    /// [`CouplingError::ScrewLength`] and [`CouplingError::ScrewSpan`] if a screw's free length is not between 0 and
+    /// the distance of its supports.
     pub fn stiffness(&self, position: f64, axis: &Axis) -> Result<Vec<f64>, CouplingError> {
-        let one = |spring: &CoupledSpring| match spring.stiffness {
+        self.springs
+            .iter()
+            .map(|spring| self.stiffness_of(spring.stiffness, spring.direction, position, axis))
+            .collect()
+    }
+
+    /// A stiffness as the value at a position, N/m or N m/rad; errors as of [`CoupledJoint::stiffness`].
+    pub(super) fn stiffness_of(
+        &self,
+        stiffness: SpringStiffness,
+        direction: [f64; 3],
+        position: f64,
+        axis: &Axis,
+    ) -> Result<f64, CouplingError> {
+        match stiffness {
             SpringStiffness::Constant(k) => Ok(k),
-            SpringStiffness::BallScrew { young, diameter } => {
-                let length = self.length(position, axis, spring.direction);
-                if length.is_nan() || length <= 0.0 {
-                    return Err(CouplingError::ScrewLength { joint: self.name.clone(), position, length });
-                }
-                Ok(young * PI * diameter * diameter / (4.0 * length))
+            SpringStiffness::BallScrew { young, diameter, free_length, support } => {
+                let length = self.length(position, axis, direction, free_length);
+                check_screw(&self.name, support, position, length)?;
+                Ok(support.stiffness(young, diameter, length))
             }
-        };
-        self.springs.iter().map(one).collect()
+        }
+    }
+}
+
+/// Refuses a screw whose nut is not between its supports.
+///
+/// # Errors
+/// [`CouplingError::ScrewLength`], [`CouplingError::ScrewSpan`].
+pub(crate) fn check_screw(joint: &str, support: ScrewSupport, position: f64, length: f64) -> Result<(), CouplingError> {
+    if length.is_nan() || length <= 0.0 {
+        return Err(CouplingError::ScrewLength { joint: joint.to_owned(), position, length });
+    }
+    match support {
+        ScrewSupport::BothEnds { span } if length >= span => {
+            Err(CouplingError::ScrewSpan { joint: joint.to_owned(), position, length, span })
+        }
+        _ => Ok(()),
     }
 }
 
@@ -171,17 +199,18 @@ pub(crate) fn overhang(
     }))
 }
 
-/// Distance along a direction between two points that are drawn at position 0 and of which each may
-/// travel with the axis, m; negative once they have passed each other.
+/// Free length of a screw between two points that are drawn at position 0 and of which each may travel with the
+/// axis, m; negative once they have passed each other. `at_zero` takes the place of the drawn distance.
 pub(crate) fn free_length(
     drawn: [[f64; 3]; 2],
     moves: [bool; 2],
     position: f64,
     axis: &Axis,
     direction: [f64; 3],
+    at_zero: Option<f64>,
 ) -> f64 {
     let along = |x: [f64; 3]| (0..3).map(|c| x[c] * direction[c]).sum::<f64>();
     let apart = along(drawn[0]) - along(drawn[1]);
     let travelled = along(axis.direction) * position * (f64::from(moves[0]) - f64::from(moves[1]));
-    (apart + travelled) * apart.signum()
+    at_zero.unwrap_or(apart.abs()) + travelled * apart.signum()
 }

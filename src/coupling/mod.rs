@@ -13,18 +13,26 @@
 //! neighbourhood, the inertia of the joints' static responses over the whole travel, and, in series
 //! with the joints, the static flexibility of all the rest, exact at every position.
 
+mod around;
+mod assembled;
 mod basis;
+mod fixed_position;
 mod joint;
 mod model;
 mod side_by_side;
 mod training;
+mod unreduced;
 
+pub use around::{Around, AroundCoupled};
+pub use assembled::{Assembled, AssembledRow, assembled};
 pub use basis::{BasisOptions, ResidualEnergy};
+pub use fixed_position::at_fixed_position;
 pub use joint::{CoupledJoint, CoupledSpring};
-pub(crate) use joint::{free_length, overhang};
-pub use model::{AtPosition, Coupled, CoupledModel, PartShare, couple};
+pub(crate) use joint::{check_screw, free_length, overhang};
+pub use model::{AtPosition, Coupled, CoupledModel, PartShare, SpringValues, couple};
 pub use side_by_side::{PortRow, SideBySide};
 pub use training::reduction_requests;
+pub use unreduced::{PlacedInterface, PlacedSpring, Unreduced, unreduced};
 
 use crate::linalg::LinalgError;
 
@@ -61,6 +69,50 @@ pub enum CouplingError {
         position: f64,
         /// Length, m.
         length: f64,
+    },
+    /// A ball screw's nut is beyond its second support.
+    #[error(
+        "joint \"{joint}\": at position {position} m the free length of the screw is {length:.4} m, and its supports are {span:.4} m apart; make `span` longer than the free length within the travel"
+    )]
+    ScrewSpan {
+        /// Joint.
+        joint: String,
+        /// Position, m.
+        position: f64,
+        /// Length from mount to nut, m.
+        length: f64,
+        /// Distance between the supports, m.
+        span: f64,
+    },
+    /// A rail on a part without surfaces.
+    #[error(
+        "joint \"{joint}\": the rail \"{rail}\" is a node set without faces, so no footprint can travel on it; give the part's `mesh` beside its matrices"
+    )]
+    RailWithoutSurface {
+        /// Joint.
+        joint: String,
+        /// Interface.
+        rail: String,
+    },
+    /// A joint turns an interface that is a single node without rotations.
+    #[error(
+        "joint \"{joint}\": the interface \"{interface}\" is one node without rotations, {arm:.3e} m from the joint's point at position {position} m, or under a rotational spring; use a set of nodes, or put the joint's `at` on the node"
+    )]
+    NoRotation {
+        /// Joint.
+        joint: String,
+        /// Interface.
+        interface: String,
+        /// Distance of the node from the joint's point, m.
+        arm: f64,
+        /// Position, m.
+        position: f64,
+    },
+    /// A guide along no global axis cannot be cut to its footprint.
+    #[error("joint \"{joint}\": the travel is along none of the axes x, y, z, so its footprint cannot be made rigid")]
+    TravelAcross {
+        /// Joint.
+        joint: String,
     },
     /// A position outside the travel.
     #[error("position {position} m lies outside the travel of axis \"{axis}\", {from} to {to} m")]

@@ -27,6 +27,8 @@ pub struct CoupledModel {
     pub side_by_side: SideBySide,
     /// What free motions and loss factors need to know of each part.
     pub parts: Vec<PartShare>,
+    /// Designs may stiffen a joint up to this factor.
+    pub stiffest: f64,
     basis: FixedBasis,
 }
 
@@ -64,6 +66,24 @@ pub struct AtPosition {
     pub residual: DMatrix<f64>,
     /// The parts' strain energy in the residual response to the springs, for parts with a loss factor.
     pub residual_of_part: Vec<Option<ResidualEnergy>>,
+}
+
+/// What the springs of a machine are at one position, spring by spring.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SpringValues {
+    /// Stiffness, N/m or N m/rad.
+    pub stiffness: Vec<f64>,
+    /// Viscous damping, N s/m or N m s/rad.
+    pub damping: Vec<f64>,
+    /// Structural loss factor of the joint itself.
+    pub loss_factors: Vec<f64>,
+}
+
+impl SpringValues {
+    /// Whether any spring has a damper or a loss factor.
+    pub fn dissipate(&self) -> bool {
+        self.damping.iter().chain(&self.loss_factors).any(|v| *v > 0.0)
+    }
 }
 
 /// The machine at one position with given joint stiffnesses.
@@ -116,7 +136,7 @@ pub fn couple(
         }
     };
     let parts = machine.parts.iter().enumerate().map(share).collect();
-    Ok(CoupledModel { eigenvalues: basis.eigenvalues.clone(), side_by_side, parts, basis })
+    Ok(CoupledModel { eigenvalues: basis.eigenvalues.clone(), side_by_side, parts, stiffest: options.stiffest, basis })
 }
 
 impl CoupledModel {
@@ -166,6 +186,36 @@ impl CoupledModel {
         self.side_by_side.stiffness(position)
     }
 
+    /// What the springs are at a position.
+    ///
+    /// # Errors
+    /// [`CouplingError::ScrewLength`].
+    pub fn springs(&self, position: f64) -> Result<SpringValues, CouplingError> {
+        let stiffness = self.stiffness(position)?;
+        let each = |j: &CoupledJoint| {
+            let loss = j.loss_factor.unwrap_or(0.0);
+            j.springs.iter().map(|s| (s.damping, loss)).collect::<Vec<_>>()
+        };
+        let (damping, loss_factors) = self.joints().iter().flat_map(each).unzip();
+        Ok(SpringValues { stiffness, damping, loss_factors })
+    }
+
+    /// What a machine with other springs, dampers and loss factors than the coupled one gives the springs at a position.
+    ///
+    /// # Errors
+    /// [`CouplingError::ScrewLength`].
+    pub fn spring_values(&self, machine: &Machine, position: f64) -> Result<SpringValues, CouplingError> {
+        let mut values = SpringValues::default();
+        for (coupled, joint) in self.joints().iter().zip(&machine.joints) {
+            for (own, spring) in coupled.springs.iter().zip(&joint.springs) {
+                values.stiffness.push(coupled.stiffness_of(spring.stiffness, own.direction, position, self.axis())?);
+                values.damping.push(spring.damping);
+                values.loss_factors.push(joint.loss_factor.unwrap_or(0.0));
+            }
+        }
+        Ok(values)
+    }
+
     /// The machine at a position, for any joint stiffness.
     ///
     /// # Errors
@@ -199,6 +249,18 @@ impl CoupledModel {
         })
     }
 
+    /// The joints in series with the residual flexibility, D' = D^1/2 (I + D^1/2 C D^1/2)^-1 D^1/2, which
+    /// stands a stiffness of zero.
+    pub(super) fn series(&self, at: &AtPosition, stiffness: &[f64]) -> DMatrix<f64> {
+        let s = at.springs.nrows();
+        let root: Vec<f64> = stiffness.iter().map(|k| k.sqrt()).collect();
+        let inner =
+            DMatrix::from_fn(s, s, |a, b| root[a] * at.residual[(a, b)] * root[b] + f64::from(u8::from(a == b)));
+        let inverse =
+            inner.cholesky().map(|f| f.inverse()).expect("I + a positive semidefinite matrix is positive definite");
+        DMatrix::from_fn(s, s, |a, b| root[a] * inverse[(a, b)] * root[b])
+    }
+
     /// The machine at a position with given spring stiffnesses (N/m or N m/rad, not negative).
     pub fn coupled(&self, at: &AtPosition, stiffness: &[f64]) -> Coupled {
         let (s, o, i) = (at.springs.nrows(), at.outputs.nrows(), at.inputs.nrows());
@@ -206,14 +268,8 @@ impl CoupledModel {
         let c = |row: usize, rows: usize, column: usize, columns: usize| {
             at.residual.view((row, column), (rows, columns)).into_owned()
         };
-        let root: Vec<f64> = stiffness.iter().map(|k| k.sqrt()).collect();
-        // D' = D^1/2 (I + D^1/2 C D^1/2)^-1 D^1/2, which stands a stiffness of zero.
         let flexibility = c(0, s, 0, s);
-        let inner =
-            DMatrix::from_fn(s, s, |a, b| root[a] * flexibility[(a, b)] * root[b] + f64::from(u8::from(a == b)));
-        let inverse =
-            inner.cholesky().map(|f| f.inverse()).expect("I + a positive semidefinite matrix is positive definite");
-        let series = DMatrix::from_fn(s, s, |a, b| root[a] * inverse[(a, b)] * root[b]);
+        let series = self.series(at, stiffness);
         let forces = multiply(&series, &at.springs);
         let mut full = multiply_transposed(&at.springs, &forces);
         full = 0.5 * (&full + full.transpose());

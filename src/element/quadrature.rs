@@ -1,11 +1,13 @@
-//! Quadrature rules on the reference tetrahedron and triangle.
+//! Quadrature rules on the reference elements and their faces.
 //!
-//! Weights sum to the reference domain's measure (1/6 and 1/2).
+//! Weights sum to the reference domain's measure: 1/6 for the tetrahedron, 8 for the brick, 1 for the
+//! wedge, 1/2 for the triangle. Brick coordinates run from -1 to 1; a wedge is the triangle
+//! (r, s) times t from -1 to 1.
 
-/// A point of the reference tetrahedron with its weight.
+/// A point of a reference element with its weight.
 #[derive(Clone, Copy, Debug)]
-pub struct TetPoint {
-    /// Coordinates (r, s, t); the fourth barycentric coordinate is 1 - r - s - t and belongs to node 1.
+pub struct SolidPoint {
+    /// Coordinates (r, s, t).
     pub at: [f64; 3],
     /// Weight.
     pub weight: f64,
@@ -20,27 +22,76 @@ pub struct TriPoint {
     pub weight: f64,
 }
 
+/// One point, exact to degree 1.
+pub fn tet_degree_1() -> Vec<SolidPoint> {
+    vec![SolidPoint { at: [0.25; 3], weight: 1.0 / 6.0 }]
+}
+
+/// Gauss and Legendre's points on (-1, 1) with their weights, exact to degree 2 n - 1; n is 1, 2 or 3.
+fn gauss(n: usize) -> Vec<(f64, f64)> {
+    let (two, three) = (1.0 / 3.0_f64.sqrt(), 0.6_f64.sqrt());
+    match n {
+        1 => vec![(0.0, 2.0)],
+        2 => vec![(-two, 1.0), (two, 1.0)],
+        3 => vec![(-three, 5.0 / 9.0), (0.0, 8.0 / 9.0), (three, 5.0 / 9.0)],
+        _ => panic!("{n} points along a side, allowed are 1, 2, 3"),
+    }
+}
+
+/// n x n x n points on the brick, exact to degree 2 n - 1 in each coordinate; n is 1, 2 or 3.
+pub fn brick(n: usize) -> Vec<SolidPoint> {
+    let line = gauss(n);
+    let mut points = Vec::with_capacity(n * n * n);
+    for (t, wt) in &line {
+        for (s, ws) in &line {
+            for (r, wr) in &line {
+                points.push(SolidPoint { at: [*r, *s, *t], weight: wr * ws * wt });
+            }
+        }
+    }
+    points
+}
+
+/// A triangle rule times n points along t.
+pub fn wedge(triangle: &[TriPoint], n: usize) -> Vec<SolidPoint> {
+    let across = |(t, w): (f64, f64)| {
+        triangle.iter().map(move |p| SolidPoint { at: [p.at[0], p.at[1], t], weight: p.weight * w })
+    };
+    gauss(n).into_iter().flat_map(across).collect()
+}
+
+/// One point, exact to degree 1.
+pub fn tri_degree_1() -> Vec<TriPoint> {
+    vec![TriPoint { at: [1.0 / 3.0; 2], weight: 0.5 }]
+}
+
+/// Three points inside, exact to degree 2.
+pub fn tri_degree_2() -> Vec<TriPoint> {
+    let (a, b) = (1.0 / 6.0, 2.0 / 3.0);
+    [[a, a], [b, a], [a, b]].map(|at| TriPoint { at, weight: a }).to_vec()
+}
+
 /// Four points, exact to degree 2: the stiffness rule of CalculiX's C3D10.
-pub fn tet_degree_2() -> [TetPoint; 4] {
+pub fn tet_degree_2() -> Vec<SolidPoint> {
     // (5 - sqrt 5) / 20 and (5 + 3 sqrt 5) / 20.
     let a = (5.0 - 5.0_f64.sqrt()) / 20.0;
     let b = (5.0 + 3.0 * 5.0_f64.sqrt()) / 20.0;
     let weight = 1.0 / 24.0;
-    [[a, a, a], [b, a, a], [a, b, a], [a, a, b]].map(|at| TetPoint { at, weight })
+    [[a, a, a], [b, a, a], [a, b, a], [a, a, b]].map(|at| SolidPoint { at, weight }).to_vec()
 }
 
 /// Fifteen points, exact to degree 5: the consistent-mass rule.
 ///
 /// # Source
 /// P. Keast, Moderate-degree tetrahedral quadrature formulas, Comput. Methods Appl. Mech. Eng. 55 (1986).
-pub fn tet_degree_5() -> [TetPoint; 15] {
+pub fn tet_degree_5() -> Vec<SolidPoint> {
     let (third, eleventh) = (1.0 / 3.0, 1.0 / 11.0);
     let (centre, face) = (6544.0 / 36015.0 / 6.0, 81.0 / 2240.0 / 6.0);
     let (inner, edge) = (161_051.0 / 2_304_960.0 / 6.0, 338.0 / 5145.0 / 6.0);
     let a = 0.25 * (1.0 - (7.0_f64 / 13.0).sqrt());
     let b = 0.5 - a;
-    let point = |at, weight| TetPoint { at, weight };
-    [
+    let point = |at, weight| SolidPoint { at, weight };
+    vec![
         point([0.25, 0.25, 0.25], centre),
         point([third, third, third], face),
         point([0.0, third, third], face),
@@ -88,7 +139,7 @@ mod tests {
     }
 
     /// Largest error over all monomials of a total degree.
-    fn tet_error(rule: &[TetPoint], degree: u32) -> f64 {
+    fn tet_error(rule: &[SolidPoint], degree: u32) -> f64 {
         let mut worst = 0.0_f64;
         for i in 0..=degree {
             for j in 0..=degree - i {
@@ -121,11 +172,32 @@ mod tests {
             assert!(tet_error(&tet_degree_2(), degree) < 1e-13);
         }
         assert!(tet_error(&tet_degree_2(), 3) > 1e-3);
+        assert!(tet_error(&tet_degree_1(), 1) < 1e-13 && tet_error(&tet_degree_1(), 2) > 1e-3);
+        assert!(tri_error(&tri_degree_1(), 1) < 1e-13 && tri_error(&tri_degree_1(), 2) > 1e-3);
+        assert!(tri_error(&tri_degree_2(), 2) < 1e-13 && tri_error(&tri_degree_2(), 3) > 1e-3);
         for degree in 0..=5 {
             assert!(tet_error(&tet_degree_5(), degree) < 1e-12, "{degree}");
             assert!(tri_error(&tri_degree_5(), degree) < 1e-12, "{degree}");
         }
         assert!(tet_error(&tet_degree_5(), 6) > 1e-3);
         assert!(tri_error(&tri_degree_5(), 6) > 1e-3);
+    }
+
+    #[test]
+    fn brick_and_wedge_rules_are_exact_to_their_degree_in_each_coordinate() {
+        let sum = |rule: &[SolidPoint], power: [i32; 3]| -> f64 {
+            rule.iter().map(|p| p.weight * (0..3).map(|c| p.at[c].powi(power[c])).product::<f64>()).sum()
+        };
+        let line = |power: i32| if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
+        for n in 1..=3 {
+            let degree = 2 * n as i32 - 1;
+            for power in 0..=degree {
+                let exact = line(power) * line(degree - power) * line(0);
+                assert!((sum(&brick(n), [power, degree - power, 0]) - exact).abs() < 1e-14);
+                let triangle = factorial(2) * line(power) / factorial(4);
+                assert!((sum(&wedge(&tri_degree_2(), n), [2, 0, power]) - triangle).abs() < 1e-14);
+            }
+            assert!((sum(&brick(n), [degree + 1, 0, 0]) - 4.0 * line(degree + 1)).abs() > 1e-3);
+        }
     }
 }

@@ -14,9 +14,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::ExportError;
 
-/// Writer that [`write_atomic`] hands out.
-pub type FileWriter = BufWriter<File>;
-
 /// Temporaries that exist now, for the signal handler.
 static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
@@ -33,11 +30,65 @@ impl Drop for Listed {
     }
 }
 
-/// Writes a file aside with `write` and renames it to `path`.
-///
-/// The folder of `path` is made where it is missing. The content is handed to the operating
-/// system before the rename, not forced to the disk: an interrupted process leaves no partial
-/// file, a power cut may.
+/// Writer that [`write_atomic`] hands out.
+pub type FileWriter = BufWriter<File>;
+
+/// A file that is being written aside. It takes its place with [`AtomicFile::commit`]; dropped before, it is removed.
+pub struct AtomicFile {
+    path: PathBuf,
+    writer: FileWriter,
+    name: tempfile::TempPath,
+    // After `name`: the temporary is on the list as long as it is there.
+    _listed: Listed,
+}
+
+impl AtomicFile {
+    /// Begins a file. The folder of `path` is made where it is missing.
+    ///
+    /// # Errors
+    /// [`ExportError::Io`] if the folder or the temporary cannot be made.
+    pub fn create(path: &Path) -> Result<AtomicFile, ExportError> {
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        std::fs::create_dir_all(folder).map_err(io(path, "make the folder of"))?;
+        let (file, name) = temporary_beside(path, folder)?.into_parts();
+        live().insert(name.to_path_buf());
+        let _listed = Listed(name.to_path_buf());
+        Ok(AtomicFile { path: path.to_path_buf(), writer: BufWriter::with_capacity(1 << 18, file), name, _listed })
+    }
+
+    /// The path that the file will have.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes bytes.
+    ///
+    /// # Errors
+    /// [`ExportError::Io`] with the file and the reason.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
+        self.writer.write_all(bytes).map_err(io(&self.path, "write"))
+    }
+
+    /// Puts the file in its place.
+    ///
+    /// The content is handed to the operating system before the rename, not forced to the disk: an interrupted process
+    /// leaves no partial file, a power cut may.
+    ///
+    /// # Errors
+    /// [`ExportError::Io`] if the last bytes or the rename fail; the temporary is removed and the path keeps its old
+    /// content.
+    pub fn commit(self) -> Result<(), ExportError> {
+        let AtomicFile { path, mut writer, name, _listed } = self;
+        writer.flush().map_err(io(&path, "write"))?;
+        drop(writer.into_inner().map_err(|e| io(&path, "write")(e.into_error()))?);
+        name.persist(&path).map_err(|e| io(&path, "replace")(e.error))
+    }
+}
+
+/// Writes a file aside with `write` and renames it to `path`; as [`AtomicFile`].
 ///
 /// # Errors
 /// [`ExportError::Io`] with the file and the reason if a step fails, and whatever `write` returns;
@@ -46,21 +97,9 @@ pub fn write_atomic(
     path: &Path,
     write: impl FnOnce(&mut FileWriter) -> Result<(), ExportError>,
 ) -> Result<(), ExportError> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    std::fs::create_dir_all(folder).map_err(io(path, "make the folder of"))?;
-    let temporary = temporary_beside(path, folder)?;
-    let (file, name) = temporary.into_parts();
-    live().insert(name.to_path_buf());
-    let _listed = Listed(name.to_path_buf());
-
-    let mut writer = BufWriter::with_capacity(1 << 18, file);
-    write(&mut writer)?;
-    writer.flush().map_err(io(path, "write"))?;
-    drop(writer.into_inner().map_err(|e| io(path, "write")(e.into_error()))?);
-    name.persist(path).map_err(|e| io(path, "replace")(e.error))
+    let mut file = AtomicFile::create(path)?;
+    write(&mut file.writer)?;
+    file.commit()
 }
 
 /// Writes bytes that are complete in memory; as [`write_atomic`].
@@ -91,7 +130,7 @@ pub fn io(path: &Path, action: &'static str) -> impl Fn(std::io::Error) -> Expor
     move |source| ExportError::Io { path: path.to_path_buf(), action, source }
 }
 
-/// A hidden temporary beside the file, `.compliance.mat.XXXXXX.tmp`, with ordinary permissions.
+/// A hidden temporary beside the file, `.compliance.mat.<random>.tmp`, with ordinary permissions.
 fn temporary_beside(path: &Path, folder: &Path) -> Result<tempfile::NamedTempFile, ExportError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let prefix = format!(".{name}.");

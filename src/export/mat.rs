@@ -7,9 +7,9 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 
 use super::mat5::{self, Value};
-use super::{ExportError, finite, length, response};
-use crate::frf::ComplianceMap;
-use crate::state_space::{Aligned, Database, Hold, StateSpace};
+use super::{ExportError, finite, length, npy, response};
+use crate::frf::{ComplianceMap, FrfRequest};
+use crate::state_space::{Aligned, Database, Hold, StateSpace, StateSpaceOptions};
 
 /// Columns of the transposition that one task takes: a row of them fills whole cache lines.
 const BLOCK: usize = 16;
@@ -35,7 +35,7 @@ pub fn write_compliance(path: &Path, map: &ComplianceMap) -> Result<(), ExportEr
     check_axis(path, "frequency", &map.frequencies)?;
     check_map(path, map)?;
     let (re, im) = column_major(&map.values, dims);
-    let name = response::quantity_name(map.quantity);
+    let name = map.quantity.name();
     mat5::write(
         path,
         &[
@@ -46,6 +46,38 @@ pub fn write_compliance(path: &Path, map: &ComplianceMap) -> Result<(), ExportEr
             ("quantity", Value::Text(Cow::Borrowed(name))),
             ("unit", Value::Text(Cow::Borrowed(response::unit(map.quantity)))),
             (name, Value::Complex { dims: dims.to_vec(), re: re.into(), im: im.into() }),
+        ],
+    )
+}
+
+/// Writes `compliance.mat` for a map that stands in a file of its own: the axes, and where the values are.
+///
+/// | variable | shape | |
+/// |---|---|---|
+/// | `position_m`, `frequency_hz`, `output`, `input`, `quantity`, `unit` | | as [`write_compliance`] |
+/// | `file` | text | name of the values' file, in the same folder |
+/// | `shape` | 1 x 4 | positions, frequencies, outputs, inputs; the last is fastest in the file |
+/// | `offset_bytes` | 1 x 1 | where in the file the values begin, complex f64 |
+///
+/// # Errors
+/// As [`write_compliance`].
+pub fn write_axes(path: &Path, request: &FrfRequest, file: &str) -> Result<(), ExportError> {
+    check_axis(path, "position", request.positions)?;
+    check_axis(path, "frequency", request.frequencies)?;
+    let extents = npy::extents(request);
+    let shape: Vec<f64> = extents.iter().map(|n| *n as f64).collect();
+    mat5::write(
+        path,
+        &[
+            ("position_m", Value::column(request.positions)),
+            ("frequency_hz", Value::column(request.frequencies)),
+            ("output", Value::names(request.outputs)),
+            ("input", Value::names(request.inputs)),
+            ("quantity", Value::Text(Cow::Borrowed(request.quantity.name()))),
+            ("unit", Value::Text(Cow::Borrowed(response::unit(request.quantity)))),
+            ("file", Value::Text(Cow::Borrowed(file))),
+            ("shape", Value::Real { dims: vec![1, 4], data: Cow::Owned(shape) }),
+            ("offset_bytes", Value::scalar(npy::header(&extents).len() as f64)),
         ],
     )
 }
@@ -74,15 +106,61 @@ pub fn write_state_space(
     outputs: &[String],
     inputs: &[String],
 ) -> Result<(), ExportError> {
-    mat5::write(path, &state_variables(path, states, outputs, inputs)?)
+    write_states(path, states.len(), &|i| Cow::Borrowed(&states[i]), outputs, inputs, Vec::new())
 }
 
-/// Writes `state_space.mat` of a whole database: what [`write_state_space`] writes, and
+/// What the rows and columns of state spaces are, and whether time is discrete.
+#[derive(Clone, Copy, Debug)]
+pub struct StateLabels<'a> {
+    /// Names of the outputs.
+    pub outputs: &'a [String],
+    /// Names of the inputs.
+    pub inputs: &'a [String],
+    /// Which rows there are.
+    pub options: StateSpaceOptions,
+    /// Sample time (s) and hold of systems that are discretised.
+    pub discrete: Option<(f64, Hold)>,
+}
+
+impl StateLabels<'_> {
+    fn variables(&self) -> Vec<(&'static str, Value<'static>)> {
+        let quantities =
+            [("displacement", true), ("velocity", self.options.velocity), ("acceleration", self.options.acceleration)];
+        let given = quantities.into_iter().filter(|(_, is_given)| *is_given);
+        let rows: Vec<String> = given.flat_map(|(q, _)| self.outputs.iter().map(move |o| format!("{q} {o}"))).collect();
+        let rows = rows.into_iter().map(|row| Value::Text(Cow::Owned(row))).collect::<Vec<_>>();
+        let (sample_time, hold) = self.discrete.map_or((0.0, ""), |(time, hold)| (time, hold.name()));
+        vec![
+            ("sample_time", Value::scalar(sample_time)),
+            ("hold", Value::Text(Cow::Borrowed(hold))),
+            ("rows", Value::Cell { dims: vec![rows.len(), 1], values: rows }),
+        ]
+    }
+}
+
+/// Writes what [`write_state_space`] writes, `states` making each of `count` systems when it is written, in the memory
+/// of one, and
 ///
 /// | variable | content |
 /// |---|---|
 /// | `sample_time`, `hold` | s and `zero` or `first` for discretised states; 0 and an empty text for continuous ones |
 /// | `rows` | cell column: quantity and output of each row of C and D |
+///
+/// # Errors
+/// As [`write_state_space`].
+pub fn write_state_spaces<'s>(
+    path: &Path,
+    count: usize,
+    states: &dyn Fn(usize) -> Cow<'s, StateSpace>,
+    labels: &StateLabels<'_>,
+) -> Result<(), ExportError> {
+    write_states(path, count, states, labels.outputs, labels.inputs, labels.variables())
+}
+
+/// Writes what [`write_state_spaces`] writes, of a whole database, and
+///
+/// | variable | content |
+/// |---|---|
 /// | `aligned` | struct of arrays over the positions that may be interpolated entry by entry: `position`, `stiffness`, `damping` (n_position x n x n), `inputs`, `outputs`, `compliance` |
 /// | `leave_one_out` | n_position x 1, share of the peak when a position is interpolated from the others; NaN at the ends |
 ///
@@ -97,16 +175,7 @@ pub fn write_database(
     inputs: &[String],
     discrete: Option<(f64, Hold)>,
 ) -> Result<(), ExportError> {
-    let mut variables = state_variables(path, &database.states, outputs, inputs)?;
-    let blocks = database.states.first().map_or(0, |s| s.c.nrows() / outputs.len().max(1));
-    let quantities = match (blocks, database.options.velocity) {
-        (3, _) => vec!["displacement", "velocity", "acceleration"],
-        (2, true) => vec!["displacement", "velocity"],
-        (2, false) => vec!["displacement", "acceleration"],
-        _ => vec!["displacement"],
-    };
-    let rows: Vec<String> = quantities.iter().flat_map(|q| outputs.iter().map(move |o| format!("{q} {o}"))).collect();
-    let (sample_time, hold) = discrete.map_or((0.0, ""), |(time, hold)| (time, hold.name()));
+    let mut variables = StateLabels { outputs, inputs, options: database.options, discrete }.variables();
     let aligned = &database.aligned;
     let positions: Vec<f64> = aligned.iter().map(|a| a.position).collect();
     let stacked = |what: &str, of: fn(&Aligned) -> &DMatrix<f64>| {
@@ -128,50 +197,44 @@ pub fn write_database(
         stacked("compliance", |a| &a.compliance)?,
     ];
     let figures: Vec<f64> = database.leave_one_out.iter().map(|f| f.unwrap_or(f64::NAN)).collect();
-    variables.push(("sample_time", Value::scalar(sample_time)));
-    variables.push(("hold", Value::Text(Cow::Borrowed(hold))));
-    variables.push(("rows", Value::names(&rows)));
     variables.push(("aligned", Value::Structs { fields, values: vec![values] }));
     variables.push(("leave_one_out", Value::Real { dims: vec![figures.len(), 1], data: figures.into() }));
-    mat5::write(path, &variables)
+    let states = |i: usize| Cow::Borrowed(&database.states[i]);
+    write_states(path, database.states.len(), &states, outputs, inputs, variables)
 }
 
-fn state_variables<'a>(
+fn write_states<'s>(
     path: &Path,
-    states: &'a [StateSpace],
-    outputs: &'a [String],
-    inputs: &'a [String],
-) -> Result<Vec<(&'static str, Value<'a>)>, ExportError> {
-    for state in states {
-        check_state(path, state, outputs.len(), inputs.len())?;
-    }
+    count: usize,
+    states: &dyn Fn(usize) -> Cow<'s, StateSpace>,
+    outputs: &[String],
+    inputs: &[String],
+    more: Vec<(&'static str, Value<'_>)>,
+) -> Result<(), ExportError> {
+    let visit = |i: usize, visitor: &mut mat5::Visitor<'_>| {
+        let s = states(i);
+        check_state(path, &s, outputs.len(), inputs.len())?;
+        visitor(&[
+            Value::scalar(s.position),
+            Value::matrix(&s.a),
+            Value::matrix(&s.b),
+            Value::matrix(&s.c),
+            Value::matrix(&s.d),
+            Value::column(&s.eigenvalues),
+            Value::matrix(&s.eigenvectors),
+            Value::column(&s.damping),
+        ])
+    };
     let fields = vec!["position", "A", "B", "C", "D", "eigenvalues", "eigenvectors", "damping"];
-    let values = states
-        .iter()
-        .map(|s| {
-            vec![
-                Value::scalar(s.position),
-                Value::matrix(&s.a),
-                Value::matrix(&s.b),
-                Value::matrix(&s.c),
-                Value::matrix(&s.d),
-                Value::column(&s.eigenvalues),
-                Value::matrix(&s.eigenvectors),
-                Value::column(&s.damping),
-            ]
-        })
-        .collect();
+    let structs = mat5::Structs { name: "states", fields, count, visit: &visit };
     let text = |t| Value::Text(Cow::Borrowed(t));
     let units = Value::Structs {
         fields: vec!["position", "input", "displacement", "velocity", "acceleration", "eigenvalues"],
         values: vec![vec![text("m"), text("N"), text("m"), text("m/s"), text("m/s^2"), text("(rad/s)^2")]],
     };
-    Ok(vec![
-        ("states", Value::Structs { fields, values }),
-        ("inputs", Value::names(inputs)),
-        ("outputs", Value::names(outputs)),
-        ("units", units),
-    ])
+    let mut variables = vec![("inputs", Value::names(inputs)), ("outputs", Value::names(outputs)), ("units", units)];
+    variables.extend(more);
+    mat5::write_structs(path, &structs, &variables)
 }
 
 /// Real and imaginary parts of a row-major array of four indices in column-major order.
@@ -227,7 +290,7 @@ fn check_map(path: &Path, map: &ComplianceMap) -> Result<(), ExportError> {
         path: path.into(),
         what: format!(
             "the {} from {} to {} at {} m and {} Hz",
-            response::quantity_name(map.quantity),
+            map.quantity.name(),
             map.inputs[pair % n_in],
             map.outputs[pair / n_in],
             map.positions[p],

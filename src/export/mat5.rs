@@ -105,13 +105,7 @@ impl<'a> Value<'a> {
 /// # Panics
 /// If an array's length is not the product of its extents or a struct lacks a field.
 pub fn write(path: &Path, variables: &[(&str, Value)]) -> Result<(), ExportError> {
-    for (name, value) in variables {
-        let bytes = 8 + body_size(name, value);
-        if bytes > LIMIT {
-            let variable = (*name).to_owned();
-            return Err(ExportError::TooLarge { path: path.into(), variable, bytes, limit: LIMIT });
-        }
-    }
+    check_sizes(path, variables)?;
     atomic::write_atomic(path, |file| {
         let mut all = || -> io::Result<()> {
             header(file)?;
@@ -119,6 +113,69 @@ pub fn write(path: &Path, variables: &[(&str, Value)]) -> Result<(), ExportError
         };
         all().map_err(atomic::io(path, "write"))
     })
+}
+
+/// A 1 x n struct array whose structs are made one after the other, twice: for their sizes, and to be written.
+pub struct Structs<'a> {
+    /// Name of the variable.
+    pub name: &'a str,
+    /// Names of the fields.
+    pub fields: Vec<&'static str>,
+    /// Number of structs.
+    pub count: usize,
+    /// Makes a struct's values, one a field, the same at each call, and hands them on.
+    pub visit: &'a dyn Fn(usize, &mut Visitor<'_>) -> Result<(), ExportError>,
+}
+
+/// What [`Structs::visit`] hands a struct's values to.
+pub type Visitor<'v> = dyn FnMut(&[Value<'_>]) -> Result<(), ExportError> + 'v;
+
+/// Writes a struct array of any length in the memory of one struct, and variables behind it; as [`write()`].
+///
+/// # Errors
+/// As [`write()`], and whatever `visit` returns.
+///
+/// # Panics
+/// As [`write()`].
+pub fn write_structs(path: &Path, structs: &Structs, variables: &[(&str, Value)]) -> Result<(), ExportError> {
+    let empty = Value::Structs { fields: structs.fields.clone(), values: Vec::new() };
+    let mut bytes = body_size(structs.name, &empty);
+    for i in 0..structs.count {
+        (structs.visit)(i, &mut |values| {
+            bytes += values.iter().map(|v| 8 + body_size("", v)).sum::<u64>();
+            Ok(())
+        })?;
+    }
+    check_size(path, structs.name, 8 + bytes)?;
+    check_sizes(path, variables)?;
+    let fail = atomic::io(path, "write");
+    atomic::write_atomic(path, |file| {
+        let mut begin = || -> io::Result<()> {
+            header(file)?;
+            tag(file, MI_MATRIX, bytes)?;
+            head(file, structs.name, MX_STRUCT, &[1, structs.count])?;
+            field_names(file, &structs.fields)
+        };
+        begin().map_err(&fail)?;
+        for i in 0..structs.count {
+            (structs.visit)(i, &mut |values| {
+                assert_eq!(values.len(), structs.fields.len(), "fields of a struct in `{}`", structs.name);
+                values.iter().try_for_each(|v| matrix(file, "", v)).map_err(&fail)
+            })?;
+        }
+        variables.iter().try_for_each(|(name, value)| matrix(file, name, value)).map_err(&fail)
+    })
+}
+
+fn check_sizes(path: &Path, variables: &[(&str, Value)]) -> Result<(), ExportError> {
+    variables.iter().try_for_each(|(name, value)| check_size(path, name, 8 + body_size(name, value)))
+}
+
+fn check_size(path: &Path, name: &str, bytes: u64) -> Result<(), ExportError> {
+    if bytes <= LIMIT {
+        return Ok(());
+    }
+    Err(ExportError::TooLarge { path: path.into(), variable: name.to_owned(), bytes, limit: LIMIT })
 }
 
 fn header(file: &mut impl Write) -> io::Result<()> {
@@ -177,6 +234,26 @@ fn element<T: bytemuck::NoUninit>(file: &mut impl Write, kind: u32, data: &[T]) 
     file.write_all(&[0; 8][..padding])
 }
 
+/// Flags, extents and name of an array.
+fn head(file: &mut impl Write, name: &str, class: u32, extents: &[usize]) -> io::Result<()> {
+    element(file, MI_UINT32, &[class, 0])?;
+    element(file, MI_INT32, &extents.iter().map(|&d| d as i32).collect::<Vec<_>>())?;
+    element(file, MI_INT8, name.as_bytes())
+}
+
+/// The names of a struct's fields, in slots of equal length.
+fn field_names(file: &mut impl Write, fields: &[&str]) -> io::Result<()> {
+    // The length of a slot comes as a small element: tag and data in 8 bytes.
+    file.write_all(&((4 << 16) | MI_INT32).to_ne_bytes())?;
+    file.write_all(&(FIELD_NAME_BYTES as u32).to_ne_bytes())?;
+    let mut names = vec![0_u8; FIELD_NAME_BYTES * fields.len()];
+    for (slot, field) in names.chunks_exact_mut(FIELD_NAME_BYTES).zip(fields) {
+        assert!(field.len() < FIELD_NAME_BYTES, "field name `{field}` is too long");
+        slot[..field.len()].copy_from_slice(field.as_bytes());
+    }
+    element(file, MI_INT8, &names)
+}
+
 fn matrix(file: &mut impl Write, name: &str, value: &Value) -> io::Result<()> {
     let extents = dims(value);
     let count: usize = extents.iter().product();
@@ -188,9 +265,7 @@ fn matrix(file: &mut impl Write, name: &str, value: &Value) -> io::Result<()> {
         Value::Structs { .. } => MX_STRUCT,
     };
     tag(file, MI_MATRIX, body_size(name, value))?;
-    element(file, MI_UINT32, &[class, 0])?;
-    element(file, MI_INT32, &extents.iter().map(|&d| d as i32).collect::<Vec<_>>())?;
-    element(file, MI_INT8, name.as_bytes())?;
+    head(file, name, class, &extents)?;
     match value {
         Value::Real { data, .. } => {
             assert_eq!(data.len(), count, "numbers in `{name}` against its extents {extents:?}");
@@ -208,15 +283,7 @@ fn matrix(file: &mut impl Write, name: &str, value: &Value) -> io::Result<()> {
             values.iter().try_for_each(|v| matrix(file, "", v))
         }
         Value::Structs { fields, values } => {
-            // The length of a field name comes as a small element: tag and data in 8 bytes.
-            file.write_all(&((4 << 16) | MI_INT32).to_ne_bytes())?;
-            file.write_all(&(FIELD_NAME_BYTES as u32).to_ne_bytes())?;
-            let mut names = vec![0_u8; FIELD_NAME_BYTES * fields.len()];
-            for (slot, field) in names.chunks_exact_mut(FIELD_NAME_BYTES).zip(fields) {
-                assert!(field.len() < FIELD_NAME_BYTES, "field name `{field}` is too long");
-                slot[..field.len()].copy_from_slice(field.as_bytes());
-            }
-            element(file, MI_INT8, &names)?;
+            field_names(file, fields)?;
             for one in values {
                 assert_eq!(one.len(), fields.len(), "fields of a struct in `{name}`");
                 one.iter().try_for_each(|v| matrix(file, "", v))?;

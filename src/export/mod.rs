@@ -10,20 +10,25 @@
 //! | `eigenfrequencies.csv` | [`ModeFamilies`](crate::modal::ModeFamilies) | [`eigenfrequencies::write_families`] |
 //! | `mode_table.csv` | [`ModeTableRow`](crate::modal::ModeTableRow) | [`eigenfrequencies::write_mode_table`] |
 //! | `compliance.mat` | [`ComplianceMap`](crate::frf::ComplianceMap) | [`mat::write_compliance`] |
+//! | `compliance.npy` | the tiles of a map | [`stream::MapStream`] |
 //! | `state_space.mat` | [`Database`](crate::state_space::Database) | [`mat::write_database`] |
 //! | `time_history.csv`, `.mat` | [`History`](crate::response::History) | [`history::write_csv`], [`history::write_mat`] |
-//! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`] |
+//! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`], [`stream::MapStream`] |
 //! | `surface_<out><in>.vts` | one response of a map | [`vts::write_surface`] |
 //! | `manifest.json` | [`manifest::Manifest`] | [`manifest::Manifest::write`] |
 
 pub mod atomic;
+pub mod deck;
 mod digits;
 pub mod eigenfrequencies;
 pub mod history;
 pub mod manifest;
 pub mod mat;
 pub mod mat5;
+pub mod matrix_market;
+pub mod npy;
 pub mod response;
+pub mod stream;
 pub mod surface;
 pub mod vts;
 

@@ -18,16 +18,21 @@ pub struct Response {
 /// The label is made of the last parts of the names (`tool.x` and `tool.x`: `xx`); where two
 /// responses would share it, of the whole names with `_` for what a file name should not hold.
 pub fn direct_responses(map: &ComplianceMap) -> Vec<Response> {
+    direct_responses_of(&map.outputs, &map.inputs)
+}
+
+/// As [`direct_responses`], from the names of the outputs and inputs.
+pub fn direct_responses_of(outputs: &[String], inputs: &[String]) -> Vec<Response> {
     let mut found = Vec::new();
-    for (output, name) in map.outputs.iter().enumerate() {
-        if let Some(input) = map.inputs.iter().position(|i| i == name) {
+    for (output, name) in outputs.iter().enumerate() {
+        if let Some(input) = inputs.iter().position(|i| i == name) {
             found.push(Response { output, input, label: short(name).repeat(2) });
         }
     }
     let labels: Vec<_> = found.iter().map(|r| r.label.clone()).collect();
     for response in &mut found {
         if labels.iter().filter(|l| **l == response.label).count() > 1 {
-            let whole = safe(&map.outputs[response.output]);
+            let whole = safe(&outputs[response.output]);
             response.label = format!("{whole}_{whole}");
         }
     }
@@ -40,15 +45,6 @@ pub const fn unit(quantity: Quantity) -> &'static str {
         Quantity::Receptance => "m/N",
         Quantity::Mobility => "m/(s N)",
         Quantity::Accelerance => "m/(s^2 N)",
-    }
-}
-
-/// The name of the quantity, lower case.
-pub const fn quantity_name(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Receptance => "receptance",
-        Quantity::Mobility => "mobility",
-        Quantity::Accelerance => "accelerance",
     }
 }
 

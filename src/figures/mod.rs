@@ -26,6 +26,7 @@ mod frame;
 mod frequency_view;
 mod history;
 mod scale;
+pub mod sweep;
 mod text;
 
 use std::path::{Path, PathBuf};

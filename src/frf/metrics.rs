@@ -14,9 +14,10 @@
 use nalgebra::Complex;
 use rayon::prelude::*;
 
+use super::modal_sum::sum_at;
 use super::packing::{Denominator, PackedSystem, Packing};
 use super::point::{Response, Weights};
-use super::{ComplianceMap, FrfError, FrfRequest, Quantity};
+use super::{ComplianceMap, FrfError, FrfRequest, GridSearch, Quantity, Tile, TileRange};
 
 /// An extreme value and where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,29 +77,13 @@ pub fn metrics(
     refine(request, pairs, &grid_extrema(map, pairs))
 }
 
-/// Extrema on the grid of a map, `[position][pair]`.
+/// Extrema on the grid of a map, `[position][pair]`; of a map in tiles, [`GridSearch`] finds them.
 pub fn grid_extrema(map: &ComplianceMap, pairs: &[(usize, usize)]) -> Vec<Vec<GridExtrema>> {
-    (0..map.positions.len())
-        .into_par_iter()
-        .map(|position| {
-            pairs
-                .iter()
-                .map(|&(i, j)| {
-                    let (mut peak, mut real) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));
-                    for k in 0..map.frequencies.len() {
-                        let h = map.at(position, k, i, j);
-                        if h.norm_sqr() > peak.1 {
-                            peak = (k, h.norm_sqr());
-                        }
-                        if h.re < real.1 {
-                            real = (k, h.re);
-                        }
-                    }
-                    GridExtrema { peak: peak.0, most_negative_real: real.0 }
-                })
-                .collect()
-        })
-        .collect()
+    let values_per_pair = map.outputs.len() * map.inputs.len();
+    let mut search = GridSearch::with(map.positions.len(), map.inputs.len(), values_per_pair, pairs);
+    let range = TileRange { positions: 0..map.positions.len(), frequencies: 0..map.frequencies.len() };
+    search.look(&Tile { range, values: &map.values });
+    search.finish()
 }
 
 /// Refines extrema on the grid with the modes of the request, `[position][pair]`.
@@ -107,7 +92,7 @@ pub fn grid_extrema(map: &ComplianceMap, pairs: &[(usize, usize)]) -> Vec<Vec<Gr
 /// As [`FrfRequest::check`], and [`FrfError::Singular`] where an undamped mode lies between two frequencies of the grid.
 ///
 /// # Accuracy
-/// The value is that of the full sum at the extremum, found to about 1e-12 of its frequency. An extremum is found if a
+/// The value is that of the full sum at the extremum, found to about 1e-10 of its frequency. An extremum is found if a
 /// mode's own extremum or the grid's best point leads to it; the tests hold values to 1e-4 of a 1e-4 Hz grid from a
 /// 0.5 Hz grid at 0.5 % damping.
 pub fn refine(
@@ -138,6 +123,14 @@ enum Goal {
 }
 
 impl Goal {
+    /// The goal of a response.
+    fn value(self, h: Complex<f64>) -> f64 {
+        match self {
+            Goal::Magnitude => h.norm_sqr(),
+            Goal::NegativeReal => -h.re,
+        }
+    }
+
     /// The goal's value, slope and curvature.
     fn of(self, h: &Response) -> [f64; 3] {
         match self {
@@ -159,12 +152,17 @@ fn dot(a: Complex<f64>, b: Complex<f64>) -> f64 {
 /// Starts whose value is below this share of the best start cannot overtake it within their bracket.
 const WORTHWHILE: f64 = 0.5;
 
+/// Newton's last step, relative to the frequency; the value is then exact to rounding, since its slope is zero there.
+const STEP: f64 = 1e-10;
+
 struct Search<'a> {
     request: &'a FrfRequest<'a>,
     packing: &'a Packing,
     system: &'a PackedSystem,
-    /// Starting frequencies, half the width of the search around each, and the weights there.
-    starts: Vec<(f64, f64, Weights)>,
+    /// Starting frequencies, ascending, and half the width of the search around each.
+    starts: Vec<(f64, f64)>,
+    /// The responses there, `[start, output, input]`.
+    screened: Vec<Complex<f64>>,
 }
 
 impl<'a> Search<'a> {
@@ -186,37 +184,43 @@ impl<'a> Search<'a> {
             }
             for f in closed_form(denominator, request.quantity) {
                 if felt && half_band > 0.0 && (first..=last).contains(&f) {
-                    starts.push((f, 2.0 * half_band, Weights::new(system, f)));
+                    starts.push((f, 2.0 * half_band));
                 }
             }
         }
-        Ok(Search { request, packing, system, starts })
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let frequencies: Vec<f64> = starts.iter().map(|(f, _)| *f).collect();
+        let screened = sum_at(system, packing, request.quantity, &frequencies, request.values_per_pair());
+        Ok(Search { request, packing, system, starts, screened })
     }
 
     fn pairs(&self, pairs: &[(usize, usize)], grid: &[GridExtrema]) -> Result<Vec<PairMetrics>, FrfError> {
         let found = pairs.iter().zip(grid).map(|(&(output, input), grid)| {
             let pair = self.packing.pair_of_value[output * self.request.inputs.len() + input];
-            let (f, value) = self.best(pair, Goal::Magnitude, grid.peak);
+            let screened = |goal: Goal| -> Vec<f64> {
+                let rows = self.screened.chunks_exact(self.request.values_per_pair());
+                rows.map(|h| goal.value(h[output * self.request.inputs.len() + input])).collect()
+            };
+            let (f, value) = self.best(pair, Goal::Magnitude, &screened(Goal::Magnitude), grid.peak);
             let peak = Extremum { frequency: f, value: value.norm() };
-            let (f, value) = self.best(pair, Goal::NegativeReal, grid.most_negative_real);
+            let (f, value) =
+                self.best(pair, Goal::NegativeReal, &screened(Goal::NegativeReal), grid.most_negative_real);
             PairMetrics { output, input, peak, most_negative_real: Extremum { frequency: f, value: value.re } }
         });
         Ok(found.collect())
     }
 
     /// The best frequency of a goal and the response there.
-    fn best(&self, pair: usize, goal: Goal, grid: usize) -> (f64, Complex<f64>) {
+    fn best(&self, pair: usize, goal: Goal, screened: &[f64], grid: usize) -> (f64, Complex<f64>) {
         let frequencies = self.request.frequencies;
         let (first, last) = (frequencies[0], frequencies[frequencies.len() - 1]);
         let on_grid = self.respond(&Weights::new(self.system, frequencies[grid]), pair);
-        let screened: Vec<f64> =
-            self.starts.iter().map(|(_, _, weights)| goal.of(&self.respond(weights, pair))[0]).collect();
         let top = screened.iter().copied().fold(goal.of(&on_grid)[0], f64::max);
         let bar = top - (1.0 - WORTHWHILE) * top.abs();
         let around = (frequencies[grid.saturating_sub(1)], frequencies[(grid + 1).min(frequencies.len() - 1)]);
         let mut best = (frequencies[grid], on_grid.value, goal.of(&on_grid)[0]);
-        let modal = self.starts.iter().zip(&screened).filter(|(_, value)| **value >= bar);
-        let brackets = modal.map(|((f, width, _), _)| (*f, (f - width).max(first), (f + width).min(last)));
+        let modal = self.starts.iter().zip(screened).filter(|(_, value)| **value >= bar);
+        let brackets = modal.map(|((f, width), _)| (*f, (f - width).max(first), (f + width).min(last)));
         for (start, low, high) in brackets.chain([(frequencies[grid], around.0, around.1)]) {
             let candidate = self.climb(pair, goal, start, low, high);
             if candidate.2 > best.2 {
@@ -248,7 +252,7 @@ impl<'a> Search<'a> {
             }
             let newton = f - slope / curvature;
             let next = if curvature < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - f).abs() <= 1e-13 * f || high <= low {
+            if (next - f).abs() <= STEP * f || high <= low {
                 break;
             }
             f = next;

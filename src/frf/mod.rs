@@ -7,11 +7,14 @@
 //! modes, so that they do not depend on where the grid's points fall.
 
 mod error;
+mod extrema;
 pub mod grid;
+mod grid_search;
 mod kernel;
 mod map;
 pub mod metrics;
 mod modal_sum;
+pub mod modification;
 mod packing;
 mod point;
 mod request;
@@ -20,11 +23,13 @@ mod tiles;
 mod truncation;
 
 pub use error::FrfError;
+pub use extrema::{REACH, refined_extrema, refined_extrema_in};
 pub use grid::FrequencyGrid;
+pub use grid_search::GridSearch;
 pub use map::ComplianceMap;
 pub(crate) use modal_sum::zeros;
 pub use modal_sum::{modal_sum, modal_sum_into, modal_sum_tiles};
 pub use packing::{Denominator, PackedSystem, Packing};
 pub use request::{FrfRequest, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, ModalSystem, Quantity};
 pub use tiles::{Sink, SinkError, Tile, TileLimits, TileRange, tiles};
-pub use truncation::{Selection, Truncation, modal_systems};
+pub use truncation::{Selection, Truncation, full_system, modal_systems};

@@ -7,7 +7,7 @@ use super::kernel::{Block, GROUP, Model, lay_out};
 use super::packing::{PackedSystem, Packing};
 use super::scatter::LARGE;
 use super::tiles::{Sink, Tile, TileLimits, TileRange, tiles};
-use super::{ComplianceMap, FrfError, FrfRequest};
+use super::{ComplianceMap, FrfError, FrfRequest, Quantity};
 
 /// Frequencies a task; a multiple of the kernel's group.
 const BLOCK: usize = 32 * GROUP;
@@ -112,6 +112,25 @@ fn fill_range(request: &FrfRequest, packing: &Packing, range: &TileRange, values
             Block { model, frequencies, stream, values }.sum();
         });
     });
+}
+
+/// The sum of one position at any ascending frequencies (Hz), `[frequency, output, input]`, on the calling thread.
+pub(super) fn sum_at(
+    system: &PackedSystem,
+    packing: &Packing,
+    quantity: Quantity,
+    frequencies: &[f64],
+    n_values: usize,
+) -> Vec<Complex<f64>> {
+    let mut values = vec![Complex::new(0.0, 0.0); frequencies.len() * n_values];
+    if frequencies.is_empty() {
+        return values;
+    }
+    let model = Model { system, packing, quantity };
+    for (values, frequencies) in values.chunks_mut(BLOCK * n_values).zip(lay_out(frequencies).chunks(BLOCK)) {
+        Block { model, frequencies, stream: false, values }.sum();
+    }
+    values
 }
 
 /// Zeros straight from the system, whose pages the threads then touch first.

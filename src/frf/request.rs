@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix};
 
 use super::FrfError;
+pub use crate::machine::Quantity;
 
 /// Lowest frequency above 0 Hz that the sums accept.
 pub const LOWEST_FREQUENCY: f64 = 1e-9;
@@ -32,29 +33,6 @@ pub struct ModalSystem {
     pub inputs: DMatrix<f64>,
     /// Coefficients C_k of the residual polynomial in j omega, k = 0.., each n_output x n_input.
     pub residual: Vec<DMatrix<Complex<f64>>>,
-}
-
-/// What the map holds: displacement, velocity or acceleration over force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Quantity {
-    /// Displacement over force, m/N.
-    #[default]
-    Receptance,
-    /// Velocity over force, m/(s N).
-    Mobility,
-    /// Acceleration over force, m/(s^2 N).
-    Accelerance,
-}
-
-impl Quantity {
-    /// The power of j omega that the receptance is multiplied by.
-    pub fn power(self) -> u32 {
-        match self {
-            Quantity::Receptance => 0,
-            Quantity::Mobility => 1,
-            Quantity::Accelerance => 2,
-        }
-    }
 }
 
 /// A request for a map: one modal system a position, one frequency grid for all.

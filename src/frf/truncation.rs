@@ -100,6 +100,11 @@ pub fn modal_systems(
     ))
 }
 
+/// The modal system of all modes of one position, with the static compliance that no mode carries.
+pub fn full_system(modes: &Modes) -> ModalSystem {
+    Tail { modes, kept: modes.eigenvalues.len() }.system(Some(0), false)
+}
+
 /// The modes of one position, split into those summed and the rest.
 struct Tail<'a> {
     modes: &'a Modes,
@@ -118,7 +123,7 @@ impl Tail<'_> {
 
     /// Coefficients of the residual polynomial.
     fn coefficients(&self, degree: usize, real: bool) -> Vec<DMatrix<Complex<f64>>> {
-        let mut out = vec![self.modes.direct.map(|v| Complex::new(v, 0.0))];
+        let mut out = vec![self.direct(real)];
         out.resize(degree + 1, DMatrix::zeros(self.modes.direct.nrows(), self.modes.direct.ncols()));
         for r in self.kept..self.modes.eigenvalues.len() {
             let amplitude = self.amplitude(r);
@@ -132,6 +137,12 @@ impl Tail<'_> {
             }
         }
         out
+    }
+
+    /// The static compliance that no mode carries, with the machine's loss factor unless it is to be real.
+    fn direct(&self, real: bool) -> DMatrix<Complex<f64>> {
+        let eta = if real { 0.0 } else { self.modes.direct_loss_factor };
+        self.modes.direct.map(|v| v / Complex::new(1.0, eta))
     }
 
     /// Largest relative difference between the polynomial (or nothing) and the modes it stands for.
@@ -150,8 +161,7 @@ impl Tail<'_> {
                 }
                 h
             };
-            let rest =
-                sum(&mut (self.kept..self.modes.eigenvalues.len())) + self.modes.direct.map(|v| Complex::new(v, 0.0));
+            let rest = sum(&mut (self.kept..self.modes.eigenvalues.len())) + self.direct(false);
             let all = sum(&mut self.summed()) + &rest;
             let stands_for =
                 polynomial.iter().flatten().rev().fold(rest.map(|_| Complex::new(0.0, 0.0)), |p, c| p * s + c);

@@ -74,25 +74,23 @@ pub fn list_adapters() -> Vec<AdapterSummary> {
 
 /// The adapter that is taken for the environment's wish.
 pub(super) fn choose() -> Result<wgpu::Adapter, GpuError> {
-    let wanted = wish();
-    let found = adapters();
-    let chosen = match &wanted {
-        None => found.into_iter().next(),
-        Some(wanted) => match wanted.parse::<usize>() {
-            Ok(index) => found.into_iter().nth(index),
-            Err(_) => found.into_iter().find(|a| matches(&a.get_info().name, wanted)),
-        },
-    };
-    chosen.ok_or(GpuError::NoAdapter { wanted })
+    wanted().map(|mut adapters| adapters.swap_remove(0))
+}
+
+/// The adapters that the environment's wish allows, at least one: all without a wish.
+pub(super) fn wanted() -> Result<Vec<wgpu::Adapter>, GpuError> {
+    let allowed = |(index, adapter): &(usize, wgpu::Adapter)| is_wanted(*index, &adapter.get_info().name);
+    let found: Vec<_> = adapters().into_iter().enumerate().filter(allowed).map(|(_, adapter)| adapter).collect();
+    if found.is_empty() { Err(GpuError::NoAdapter { wanted: wish() }) } else { Ok(found) }
 }
 
 /// Whether the environment's wish is for this adapter, or there is no wish.
-pub(super) fn is_wanted(index: usize, summary: &AdapterSummary) -> bool {
+pub(super) fn is_wanted(index: usize, name: &str) -> bool {
     match wish() {
         None => true,
         Some(wanted) => match wanted.parse::<usize>() {
             Ok(wanted) => wanted == index,
-            Err(_) => matches(&summary.name, &wanted),
+            Err(_) => matches(name, &wanted),
         },
     }
 }

@@ -139,15 +139,16 @@ pub fn compute_tiles_on(
 }
 
 /// What a choice came to.
-enum Choice {
+pub(super) enum Choice {
     Cpu { why: String },
     Gpu(Box<Gpu>, Chosen),
 }
 
 /// What is known of a device that was chosen.
-struct Chosen {
+pub(super) struct Chosen {
     trust: TrustFigures,
-    why: String,
+    /// Why it was chosen.
+    pub(super) why: String,
 }
 
 /// The measure of a request: what [`Speed`] counts a second.
@@ -157,7 +158,7 @@ pub(super) fn work(request: &FrfRequest) -> f64 {
     triples * (pairs + 5.0)
 }
 
-fn choose(request: &FrfRequest, options: &BackendOptions) -> Result<Choice, GpuError> {
+pub(super) fn choose(request: &FrfRequest, options: &BackendOptions) -> Result<Choice, GpuError> {
     let dir = options.cache_dir.as_deref();
     match options.backend {
         Backend::Cpu => Ok(Choice::Cpu { why: "asked for".to_string() }),
@@ -206,7 +207,7 @@ fn choose_measured(work: f64, options: &BackendOptions, cache: &mut MeasuredCach
         });
     }
     let adapters = cache.adapters();
-    let wanted = adapters.iter().enumerate().find(|(i, a)| adapter::is_wanted(*i, a)).map(|(_, a)| a.clone());
+    let wanted = adapters.iter().enumerate().find(|(i, a)| adapter::is_wanted(*i, &a.name)).map(|(_, a)| a.clone());
     let wanted = wanted.ok_or(GpuError::NoAdapter { wanted: adapter::wish() })?;
     if wanted.is_software() {
         return Err(GpuError::SoftwareOnly { name: wanted.name });
@@ -250,7 +251,7 @@ fn trusted(gpu: &Gpu, options: &BackendOptions, cache: &mut MeasuredCache) -> Re
     Ok(figures)
 }
 
-fn on_cpu(request: &FrfRequest, why: String, start: Instant) -> BackendReport {
+pub(super) fn on_cpu(request: &FrfRequest, why: String, start: Instant) -> BackendReport {
     BackendReport {
         backend: "cpu",
         adapter: None,
@@ -259,6 +260,25 @@ fn on_cpu(request: &FrfRequest, why: String, start: Instant) -> BackendReport {
         trust: None,
         pairs_on_device: 0,
         pairs_on_cpu: request.positions.len() * request.frequencies.len(),
+        seconds: start.elapsed().as_secs_f64(),
+    }
+}
+
+pub(super) fn on_device(
+    gpu: &Gpu,
+    chosen: &Chosen,
+    options: &BackendOptions,
+    pairs_on_device: usize,
+    start: Instant,
+) -> BackendReport {
+    BackendReport {
+        backend: "gpu",
+        adapter: Some(gpu.adapter().clone()),
+        precision: options.precision,
+        why: chosen.why.clone(),
+        trust: Some(chosen.trust.clone()),
+        pairs_on_device,
+        pairs_on_cpu: 0,
         seconds: start.elapsed().as_secs_f64(),
     }
 }
@@ -280,16 +300,8 @@ fn on_gpu(
         Ok(())
     };
     let result = modal_sum_tiles(gpu, request, options.precision, 0, &mut counted);
-    let mut report = BackendReport {
-        backend: "gpu",
-        adapter: Some(gpu.adapter().clone()),
-        precision: options.precision,
-        why: chosen.why.clone(),
-        trust: Some(chosen.trust.clone()),
-        pairs_on_device: done,
-        pairs_on_cpu: total - done,
-        seconds: 0.0,
-    };
+    let mut report = on_device(gpu, chosen, options, done, start);
+    report.pairs_on_cpu = total - done;
     match result {
         Ok(()) => {}
         Err(e) if options.backend == Backend::Auto && e.is_of_the_device() => {

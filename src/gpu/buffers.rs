@@ -3,7 +3,6 @@
 use std::sync::mpsc::{Receiver, channel};
 
 use super::kernels::Pipeline;
-use super::model::TileModel;
 use super::{Gpu, GpuError};
 
 /// A buffer that grows when more is asked of it.
@@ -42,13 +41,19 @@ impl Growable {
     }
 }
 
+/// What a kernel reads for a tile: its uniform and the arrays of group 0 in the order of their bindings.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inputs<'a> {
+    pub uniform: &'a [u8],
+    pub arrays: [&'a [u8]; 3],
+}
+
 /// The buffers of one tile in flight. Two of them let one tile's read-back overlap the next tile's sums.
 #[derive(Debug)]
 pub struct Buffers {
     params: Growable,
-    frequencies: Growable,
-    modes: Growable,
-    residual: Growable,
+    /// The read-only arrays: frequencies, modes and residual, or receptances, changes and pairs.
+    arrays: [Growable; 3],
     output: Growable,
     staging: Growable,
 }
@@ -69,9 +74,7 @@ impl Buffers {
         let read = Usage::STORAGE | Usage::COPY_DST;
         Buffers {
             params: Growable::new("params", Usage::UNIFORM | Usage::COPY_DST),
-            frequencies: Growable::new("frequencies", read),
-            modes: Growable::new("modes", read),
-            residual: Growable::new("residual", read),
+            arrays: ["array 1", "array 2", "array 3"].map(|label| Growable::new(label, read)),
             output: Growable::new("output", Usage::STORAGE | Usage::COPY_SRC),
             staging: Growable::new("staging", Usage::MAP_READ | Usage::COPY_DST),
         }
@@ -82,24 +85,26 @@ impl Buffers {
         &mut self,
         gpu: &Gpu,
         pipeline: &Pipeline,
-        tile: &TileModel,
+        inputs: Inputs<'_>,
         workgroups: [u32; 3],
         bytes: u64,
     ) -> Result<InFlight, GpuError> {
-        let params = self.params.hold(gpu, size_of_val(&tile.params) as u64)?;
-        let frequencies = self.frequencies.hold(gpu, tile.frequencies.len() as u64)?;
-        let modes = self.modes.hold(gpu, tile.modes.len() as u64)?;
-        let residual = self.residual.hold(gpu, tile.residual.len() as u64)?;
+        let params = self.params.hold(gpu, inputs.uniform.len() as u64)?;
+        let [first, second, third] = &mut self.arrays;
+        let arrays = [
+            first.hold(gpu, inputs.arrays[0].len() as u64)?,
+            second.hold(gpu, inputs.arrays[1].len() as u64)?,
+            third.hold(gpu, inputs.arrays[2].len() as u64)?,
+        ];
         let output = self.output.hold(gpu, bytes)?;
         let staging = self.staging.hold(gpu, bytes)?;
         let (send, mapped) = channel();
         let submission = gpu.scoped("starting a kernel", || {
-            gpu.queue.write_buffer(params, 0, bytemuck::bytes_of(&tile.params));
-            for (buffer, bytes) in [(frequencies, &tile.frequencies), (modes, &tile.modes), (residual, &tile.residual)]
-            {
+            gpu.queue.write_buffer(params, 0, inputs.uniform);
+            for (buffer, bytes) in arrays.iter().zip(inputs.arrays) {
                 gpu.queue.write_buffer(buffer, 0, bytes);
             }
-            let model = bind(gpu, "model", &pipeline.model, &[params, frequencies, modes, residual]);
+            let model = bind(gpu, "model", &pipeline.model, &[params, arrays[0], arrays[1], arrays[2]]);
             let written = bind(gpu, "output", &pipeline.output, &[output]);
             let mut encoder =
                 gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("tile") });

@@ -38,6 +38,14 @@ impl Gpu {
         Gpu::from_adapter(&adapter::choose()?)
     }
 
+    /// Opens every adapter, the preferred one first; only the one that `STIFFMAP_ADAPTER` names, if it names one.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`].
+    pub fn open_each() -> Result<Vec<Gpu>, GpuError> {
+        adapter::wanted()?.iter().map(Gpu::from_adapter).collect()
+    }
+
     fn from_adapter(adapter: &wgpu::Adapter) -> Result<Gpu, GpuError> {
         let summary = AdapterSummary::of(adapter);
         let limits = adapter.limits();

@@ -68,6 +68,16 @@ pub enum GpuError {
         /// Adapter.
         adapter: String,
     },
+    /// The kernels that change springs have no room for so many.
+    #[error("{springs} springs and {ports} ports vary; the device's kernel takes {allowed} in all; use --backend cpu")]
+    TooManyRows {
+        /// Springs.
+        springs: usize,
+        /// Ports.
+        ports: usize,
+        /// Springs and ports allowed.
+        allowed: usize,
+    },
     /// One position's model does not fit a buffer of the device.
     #[error("{what} needs {needed} bytes a position; the device {adapter} allows {allowed}")]
     TooLarge {

@@ -1,10 +1,13 @@
 //! Extrema of every pair at every position, found on the device: a sweep reads back a few numbers instead of a map.
 
+use std::time::Instant;
+
 use bytemuck::Pod;
 
 use crate::frf::metrics::{GridExtrema, PairMetrics, refine};
-use crate::frf::{FrfRequest, Packing};
+use crate::frf::{FrfRequest, GridSearch, Packing, Tile, modal_sum_tiles};
 
+use super::backend::{Backend, BackendOptions, BackendReport, Choice, choose, on_cpu, on_device};
 use super::modal_sum::plan;
 use super::model::Model;
 use super::shader::{CHUNK, Extrema, Kernel, Precision, Variant};
@@ -25,6 +28,47 @@ pub fn metrics(
 ) -> Result<Vec<Vec<PairMetrics>>, GpuError> {
     let grid = grid_extrema(gpu, request, pairs, precision)?;
     Ok(refine(request, pairs, &grid)?)
+}
+
+/// Metrics on the back end that the options choose, without a map in memory on either; with [`Backend::Auto`] the
+/// processor does what a device could not.
+///
+/// # Errors
+/// As [`super::compute`] and [`refine`].
+///
+/// # Accuracy
+/// As [`refine`].
+pub fn compute_metrics(
+    request: &FrfRequest,
+    pairs: &[(usize, usize)],
+    options: &BackendOptions,
+) -> Result<(Vec<Vec<PairMetrics>>, BackendReport), GpuError> {
+    request.check()?;
+    let start = Instant::now();
+    let on_processor = |why: String| {
+        let mut search = GridSearch::new(request, pairs);
+        let mut sink = |tile: Tile<'_>| {
+            search.look(&tile);
+            Ok(())
+        };
+        modal_sum_tiles(request, 0, &mut sink)?;
+        let found = refine(request, pairs, &search.finish())?;
+        Ok((found, on_cpu(request, why, start)))
+    };
+    match choose(request, options)? {
+        Choice::Cpu { why } => on_processor(why),
+        Choice::Gpu(gpu, chosen) => match metrics(&gpu, request, pairs, options.precision) {
+            Ok(found) => {
+                let n_pairs = request.positions.len() * request.frequencies.len();
+                Ok((found, on_device(&gpu, &chosen, options, n_pairs, start)))
+            }
+            Err(e) if options.backend == Backend::Auto && e.is_of_the_device() => {
+                tracing::warn!("{e}; the processor does the work");
+                on_processor(format!("{}; the device failed: {e}", chosen.why))
+            }
+            Err(e) => Err(e),
+        },
+    }
 }
 
 /// Extrema on the grid, `[position][pair]`: as [`crate::frf::metrics::grid_extrema`] without a map.
@@ -94,7 +138,7 @@ impl Search<'_> {
                     let chunks = range.frequencies.len().div_ceil(CHUNK as usize);
                     let workgroups = [chunks as u32, range.positions.len() as u32, model.groups(variant.duos)];
                     let bytes = range.positions.len() * chunks * n_pairs * size_of::<Extrema<T>>();
-                    let tile = slots[i % 2].submit(gpu, &pipeline, &tile, workgroups, bytes as u64)?;
+                    let tile = slots[i % 2].submit(gpu, &pipeline, tile.inputs(), workgroups, bytes as u64)?;
                     Some((range, chunks, i % 2, tile))
                 }
             };

@@ -1,4 +1,4 @@
-//! The modal sum on any device that WebGPU reaches, in WGSL through wgpu.
+//! The modal sum and the change of springs on any device that WebGPU reaches, in WGSL through wgpu.
 //!
 //! Four objects with four lifetimes: [`Gpu`], the open device; [`Kernels`], its compiled pipelines; [`Buffers`], the
 //! memory of a tile in flight; [`Params`], a tile's numbers. The request is [`crate::frf::FrfRequest`], the same as on the
@@ -14,10 +14,12 @@ mod buffers;
 mod cache;
 mod device;
 mod error;
+pub mod extrema;
 mod kernels;
 pub mod metrics;
 mod modal_sum;
 mod model;
+pub mod modification;
 pub mod shader;
 pub mod trust;
 pub mod twin;
@@ -29,5 +31,6 @@ pub use cache::MeasuredCache;
 pub use device::Gpu;
 pub use error::GpuError;
 pub use kernels::Kernels;
+pub use metrics::compute_metrics;
 pub use modal_sum::{modal_sum, modal_sum_tiles, modal_sum_without_low_parts, shader_inputs};
 pub use shader::{Params, Precision};

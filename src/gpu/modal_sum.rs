@@ -98,13 +98,14 @@ pub fn modal_sum_without_low_parts(gpu: &Gpu, request: &FrfRequest) -> Result<Co
 /// `[position, pair, frequency]`, (re, im) in um/N.
 #[doc(hidden)]
 pub fn shader_inputs(request: &FrfRequest, kernel: Kernel) -> (String, Params, [Vec<u8>; 3], [u32; 3]) {
+    assert!(matches!(kernel, Kernel::ModalSum | Kernel::Metrics), "{} does not sum modes", kernel.name());
     let packing = Packing::new(request);
     let variant = Variant::new(kernel, Precision::F32, packing.pairs.len());
     let model = Model::new(request, packing, variant.duos);
     let tile = model.tile(Precision::F32, 0..request.positions.len(), request.frequencies);
     let chunk = match kernel {
-        Kernel::ModalSum => WORKGROUP * variant.ways(),
         Kernel::Metrics => CHUNK,
+        _ => WORKGROUP * variant.ways(),
     };
     let workgroups = [tile.params.n_frequencies.div_ceil(chunk), tile.params.n_positions, model.groups(variant.duos)];
     (variant.source(), tile.params, [tile.frequencies, tile.modes, tile.residual], workgroups)
@@ -165,7 +166,7 @@ fn run(
                     model.groups(variant.duos),
                 ];
                 let bytes = range.pairs() as u64 * bytes_per_pair;
-                Some((range, i % 2, slots[i % 2].submit(gpu, &pipeline, &tile, workgroups, bytes)?))
+                Some((range, i % 2, slots[i % 2].submit(gpu, &pipeline, tile.inputs(), workgroups, bytes)?))
             }
         };
         if let Some((range, slot, tile)) = std::mem::replace(&mut flying, next) {

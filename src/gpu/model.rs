@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::frf::{FrfRequest, ModalSystem, PackedSystem, Packing};
 
+use super::buffers::Inputs;
 use super::shader::{Params, Precision};
 
 /// Metres in the device's unit of length.
@@ -35,6 +36,13 @@ pub(super) struct TileModel {
     pub frequencies: Vec<u8>,
     pub modes: Vec<u8>,
     pub residual: Vec<u8>,
+}
+
+impl TileModel {
+    /// As a kernel reads them.
+    pub fn inputs(&self) -> Inputs<'_> {
+        Inputs { uniform: bytemuck::bytes_of(&self.params), arrays: [&self.frequencies, &self.modes, &self.residual] }
+    }
 }
 
 impl<'a> Model<'a> {

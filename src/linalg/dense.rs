@@ -58,17 +58,7 @@ pub fn symmetric_eigen_polished(a: &DMatrix<f64>, polished: usize) -> Result<Sym
     let n = square(a)?;
     let failed = || LinalgError::Eigen { n };
     let (mut values, mut vectors) = (DVector::zeros(n), DMatrix::zeros(n, n));
-    let mut memory =
-        MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default()));
-    self_adjoint_evd(
-        view(a),
-        DiagMut::from_slice_mut(values.as_mut_slice()),
-        Some(MatMut::from_column_major_slice_mut(vectors.as_mut_slice(), n, n)),
-        Par::Seq,
-        MemStack::new(&mut memory),
-        Spec::default(),
-    )
-    .map_err(|_| failed())?;
+    evd(a, &mut values, &mut vectors)?;
     let low = polished.min(n);
     if low == 0 {
         return Ok(SymmetricEigen { values, vectors });
@@ -99,6 +89,45 @@ pub fn symmetric_eigen_polished(a: &DMatrix<f64>, polished: usize) -> Result<Sym
     vectors.columns_mut(0, low).copy_from(&multiply(&y, &small.vectors));
     values.rows_mut(0, low).copy_from(&small.values);
     Ok(SymmetricEigen { values, vectors })
+}
+
+/// The same, by the inverse: faer's divide and conquer on (A + shift I)^-1, whose largest eigenvalues
+/// are the lowest modes. An eigenvalue lambda of A keeps some 1e-12 (lambda + shift) / shift of itself,
+/// so the lowest are the most accurate.
+///
+/// # Errors
+/// [`LinalgError::Eigen`] if A + shift I is not positive definite or the iteration fails.
+pub fn symmetric_eigen_low(a: &DMatrix<f64>, shift: f64) -> Result<SymmetricEigen, LinalgError> {
+    let n = square(a)?;
+    let failed = || LinalgError::Eigen { n };
+    let mut shifted = a.clone();
+    for i in 0..n {
+        shifted[(i, i)] += shift;
+    }
+    let factor = faer::linalg::solvers::Llt::new(view(&shifted), faer::Side::Lower).map_err(|_| failed())?;
+    let mut inverse = DMatrix::identity(n, n);
+    factor.solve_in_place(MatMut::from_column_major_slice_mut(inverse.as_mut_slice(), n, n));
+    let (mut values, mut vectors) = (DVector::zeros(n), DMatrix::zeros(n, n));
+    evd(&(-0.5 * (&inverse + inverse.transpose())), &mut values, &mut vectors)?;
+    // Eigenvalues of the negative inverse ascend as those of A do.
+    values.apply(|v| *v = -v.recip() - shift);
+    Ok(SymmetricEigen { values, vectors })
+}
+
+/// faer's divide and conquer on the calling thread.
+fn evd(a: &DMatrix<f64>, values: &mut DVector<f64>, vectors: &mut DMatrix<f64>) -> Result<(), LinalgError> {
+    let n = a.nrows();
+    let mut memory =
+        MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default()));
+    self_adjoint_evd(
+        view(a),
+        DiagMut::from_slice_mut(values.as_mut_slice()),
+        Some(MatMut::from_column_major_slice_mut(vectors.as_mut_slice(), n, n)),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        Spec::default(),
+    )
+    .map_err(|_| LinalgError::Eigen { n })
 }
 
 /// Shift of the polishing step, as a share of the largest eigenvalue: some (2 pi 10 Hz)^2 below a

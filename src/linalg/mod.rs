@@ -1,4 +1,4 @@
-//! Linear algebra: sparse factor, block Lanczos, dense symmetric eigenproblem.
+//! Linear algebra: sparse factor, block Lanczos, shift-invert modes, dense symmetric eigenproblem.
 //!
 //! The only folder that names faer and METIS. Dense matrices in its interfaces are nalgebra's
 //! `DMatrix`, column-major; sparse symmetric matrices are [`SparseSymmetric`].
@@ -7,15 +7,17 @@ mod cholesky;
 mod dense;
 mod lanczos;
 mod ordering;
+mod shift_invert;
 mod sparse;
 
 pub use cholesky::{Cholesky, Indefinite};
 pub use dense::{
     SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal_span,
-    symmetric_eigen, symmetric_eigen_polished,
+    symmetric_eigen, symmetric_eigen_low, symmetric_eigen_polished,
 };
 pub use lanczos::{LanczosOptions, Spectrum, lowest_modes};
 pub use ordering::Ordering;
+pub use shift_invert::{FreeSpectrum, shift_invert_modes};
 pub use sparse::{SparseBuilder, SparseSymmetric};
 
 /// What a linear-algebra routine could not do.

@@ -102,6 +102,30 @@ impl SparseSymmetric {
         Self { value, ..self.clone() }
     }
 
+    /// factor diag(scale) self diag(scale).
+    pub fn scaled(mut self, factor: f64, scale: &[f64]) -> Self {
+        assert_eq!(scale.len(), self.n, "one scale a row");
+        for i in 0..self.n {
+            for k in self.row_start[i]..self.row_start[i + 1] {
+                self.value[k] *= factor * scale[i] * scale[self.column[k]];
+            }
+        }
+        self
+    }
+
+    /// A copy with another diagonal, made from the old one.
+    pub fn with_diagonal(&self, mut new: impl FnMut(usize, f64) -> f64) -> Self {
+        let mut out = self.clone();
+        for i in 0..self.n {
+            for k in self.row_start[i]..self.row_start[i + 1] {
+                if self.column[k] == i {
+                    out.value[k] = new(i, self.value[k]);
+                }
+            }
+        }
+        out
+    }
+
     /// A copy in which the given rows and columns are uncoupled: only their diagonal is left.
     pub fn with_uncoupled(&self, unknowns: &[usize]) -> Self {
         let mut out = self.clone();

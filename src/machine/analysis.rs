@@ -1,7 +1,8 @@
-//! What to compute: reduction, modes, frequencies, damping.
+//! What to compute: reduction, modes, frequencies, quantity, damping.
 
+use super::analysis_model::{Analysis, ComponentAnalysis, Damping, Quantity, ReductionMethod};
 use super::error::MachineError;
-use super::model::{Analysis, ComponentAnalysis, Damping, ReductionMethod};
+use super::frequencies::read_frequencies;
 use super::parts::read_loss_factor;
 use super::quantity::Dimension;
 use super::table::{Bound, Item, Table};
@@ -11,22 +12,23 @@ type Result<T> = std::result::Result<T, MachineError>;
 /// Component modes a part, and modes a position, where the file names no number: the paper's.
 const DEFAULT_COMPONENT_MODES: usize = 50;
 const DEFAULT_MODES: usize = 30;
-/// Most frequencies of the grid.
-const MOST_FREQUENCIES: f64 = 1_000_000.0;
 
 pub(super) fn read_analysis(root: &Table<'_>) -> Result<Analysis> {
     let table = root.need("analysis", "an [analysis] section with frequencies and damping")?.table()?;
     let component = table.get("component").map(|item| read_component(&item)).transpose()?;
     let modes = table.get("modes").map(|item| item.count()).transpose()?;
-    let frequencies = read_frequencies(
+    let (frequencies, grid) = read_frequencies(
         &table.need("frequencies", "frequencies = { from = \"0 Hz\", to = \"900 Hz\", step = \"1 Hz\" }")?,
     )?;
+    let quantity = table.get("quantity").map(|item| read_quantity(&item)).transpose()?.unwrap_or_default();
     let damping = read_damping(&table.need("damping", "damping = { ratio = 0.02 }")?)?;
     table.finish()?;
     Ok(Analysis {
         component: component.unwrap_or(DEFAULT_COMPONENT),
         modes: modes.unwrap_or(DEFAULT_MODES),
         frequencies,
+        grid,
+        quantity,
         damping,
     })
 }
@@ -64,57 +66,13 @@ fn read_component(item: &Item<'_>) -> Result<ComponentAnalysis> {
     Ok(component)
 }
 
-/// A range `{ from, to, step }` or an ascending list.
-fn read_frequencies(item: &Item<'_>) -> Result<Vec<f64>> {
-    if item.is_table() { read_range(item) } else { read_list(item) }
+fn read_quantity(item: &Item<'_>) -> Result<Quantity> {
+    Quantity::named(item.text()?)
+        .ok_or_else(|| item.refuse("\"receptance\", \"mobility\" or \"accelerance\"", "write one of them"))
 }
 
-fn read_range(item: &Item<'_>) -> Result<Vec<f64>> {
-    let table = item.table()?;
-    let hertz = |item: Item<'_>, bound| item.quantity(Dimension::Frequency, bound);
-    let from = hertz(table.need("from", "from = \"0 Hz\"")?, Bound::NotNegative)?;
-    let to_item = table.need("to", "to = \"900 Hz\"")?;
-    let to = hertz(to_item.clone(), Bound::NotNegative)?;
-    let step_item = table.need("step", "step = \"1 Hz\"")?;
-    let step = hertz(step_item.clone(), Bound::Positive)?;
-    table.finish()?;
-    if to < from {
-        return Err(to_item.refuse(format!("at least `from`, {from} Hz"), "exchange the two"));
-    }
-    let intervals = (to - from) / step;
-    if intervals > MOST_FREQUENCIES {
-        let allowed = format!("a step that divides the range into at most {MOST_FREQUENCIES} intervals");
-        return Err(step_item.refuse(allowed, "make the step larger"));
-    }
-    // A last step that misses `to` by rounding alone still reaches it.
-    let count = (intervals * (1.0 + 1e-9)).floor() as usize;
-    let mut grid: Vec<f64> = (0..=count).map(|i| (from + step * i as f64).min(to)).collect();
-    if grid.last().is_some_and(|last| to - last > 1e-9 * step) {
-        grid.push(to);
-    }
-    Ok(grid)
-}
-
-fn read_list(item: &Item<'_>) -> Result<Vec<f64>> {
-    const ALLOWED: &str = "an ascending list of frequencies, or { from, to, step }";
-    if !item.is_list() {
-        return Err(item.refuse(ALLOWED, "write one of them"));
-    }
-    let mut list: Vec<f64> = Vec::new();
-    for entry in item.list()? {
-        let frequency = entry.quantity(Dimension::Frequency, Bound::NotNegative)?;
-        if let Some(&last) = list.last().filter(|&&last| frequency <= last) {
-            return Err(entry.refuse(format!("more than the one before, {last} Hz"), "put them in ascending order"));
-        }
-        list.push(frequency);
-    }
-    if list.is_empty() {
-        return Err(item.refuse(ALLOWED, "give at least one frequency"));
-    }
-    Ok(list)
-}
-
-fn read_damping(item: &Item<'_>) -> Result<Damping> {
+/// Reads a `damping` table: `ratio`, `ratios`, `rayleigh`, `loss_factor`.
+pub(crate) fn read_damping(item: &Item<'_>) -> Result<Damping> {
     let table = item.table()?;
     let (one, many) = (table.get("ratio"), table.get("ratios"));
     let rayleigh = table.get("rayleigh").map(|item| read_rayleigh(&item)).transpose()?;

@@ -4,6 +4,8 @@
 pub fn bundled_vertical_mill() -> &'static [(&'static str, &'static str)] {
     &[
         ("machine.toml", include_str!("../../machines/vertical_mill/machine.toml")),
+        ("study.toml", include_str!("../../machines/vertical_mill/study.toml")),
+        ("screw.toml", include_str!("../../machines/vertical_mill/screw.toml")),
         ("column.inp", include_str!("../../machines/vertical_mill/column.inp")),
         ("headstock.inp", include_str!("../../machines/vertical_mill/headstock.inp")),
         ("spindle.inp", include_str!("../../machines/vertical_mill/spindle.inp")),

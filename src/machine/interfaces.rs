@@ -2,28 +2,65 @@
 
 use super::axis::GLOBAL_AXES;
 use super::error::MachineError;
+use super::matrices::{InterfaceNodes, InterfaceWeights};
 use super::model::{Interface, InterfaceRef, Part, Region, SurfaceCoupling};
 use super::quantity::Dimension;
 use super::table::{Bound, Item, find_name};
 
 type Result<T> = std::result::Result<T, MachineError>;
 
-pub(super) fn read_interfaces(item: &Item<'_>) -> Result<Vec<Interface>> {
-    item.table()?.entries()?.iter().map(|(name, item)| read_interface(name, item)).collect()
+/// The interfaces of a part, and for one given by matrices what is said of their nodes.
+pub(super) fn read_interfaces(item: &Item<'_>, by_matrices: bool) -> Result<Vec<(Interface, InterfaceNodes)>> {
+    item.table()?.entries()?.iter().map(|(name, item)| read_interface(name, item, by_matrices)).collect()
 }
 
-fn read_interface(name: &str, item: &Item<'_>) -> Result<Interface> {
+fn read_interface(name: &str, item: &Item<'_>, by_matrices: bool) -> Result<(Interface, InterfaceNodes)> {
     let table = item.table()?;
     let nodes_item = table.need("nodes", "nodes = \"NODE_SET\"")?;
-    let nodes = nodes_item.text()?.to_owned();
+    let mut chosen = InterfaceNodes::default();
+    let nodes = if by_matrices && !nodes_item.is_text() {
+        let labels = read_labels(&nodes_item)?;
+        let text = labels.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+        chosen.labels = Some(labels);
+        format!("nodes {text}")
+    } else {
+        nodes_item.text()?.to_owned()
+    };
     if nodes.trim().is_empty() {
         return Err(nodes_item.refuse("the name of a node set of the mesh", "name one"));
+    }
+    if by_matrices && let Some(item) = table.get("weights") {
+        chosen.weights = read_weights(&item)?;
     }
     let within = table.get("within").map(|item| read_region(&item)).transpose()?;
     let coupling = table.get("coupling").map(|item| read_coupling(&item)).transpose()?;
     table.finish()?;
     let coupling = coupling.unwrap_or(SurfaceCoupling::Distributing);
-    Ok(Interface { name: name.to_owned(), nodes, within, coupling })
+    Ok((Interface { name: name.to_owned(), nodes, within, coupling }, chosen))
+}
+
+/// A node label or a list of them.
+fn read_labels(item: &Item<'_>) -> Result<Vec<u64>> {
+    let items = if item.is_list() { item.list()? } else { vec![item.clone()] };
+    if items.is_empty() {
+        return Err(item.refuse("a node label, a list of them, or the name of a node set", "name at least one node"));
+    }
+    items.iter().map(|item| Ok(item.count()? as u64)).collect()
+}
+
+fn read_weights(item: &Item<'_>) -> Result<InterfaceWeights> {
+    if item.is_list() {
+        let weights = item.list()?.iter().map(Item::plain_number).collect::<Result<Vec<_>>>()?;
+        if weights.iter().sum::<f64>() <= 0.0 {
+            return Err(item.refuse("weights with a positive sum", "correct them"));
+        }
+        return Ok(InterfaceWeights::Given(weights));
+    }
+    match item.text()? {
+        "area" => Ok(InterfaceWeights::Area),
+        "equal" => Ok(InterfaceWeights::Equal),
+        _ => Err(item.refuse("\"area\" (of the mesh's faces), \"equal\", or a list of numbers", "write one of them")),
+    }
 }
 
 fn read_coupling(item: &Item<'_>) -> Result<SurfaceCoupling> {

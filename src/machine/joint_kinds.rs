@@ -5,7 +5,9 @@ use super::contact::{read_backlash, read_friction};
 use super::error::MachineError;
 use super::interfaces::read_interface_ref;
 use super::joints::{Surroundings, read_between};
-use super::model::{Contact, Joint, JointKind, JointPoint, Motion, Spring, SpringStiffness, SurfaceCoupling};
+use super::model::{
+    Contact, Joint, JointKind, JointPoint, Motion, ScrewSupport, Spring, SpringStiffness, SurfaceCoupling,
+};
 use super::quantity::Dimension;
 use super::springs::{Way, global_ways, read_damper, read_single_spring, read_springs};
 use super::table::{Bound, Table};
@@ -71,7 +73,7 @@ pub(super) fn read_bearing(table: &Table<'_>, around: &Surroundings<'_>) -> Resu
     Ok(joint(JointKind::Bearing, between, JointPoint::Point(at), springs))
 }
 
-/// A ball screw: one spring along its axis, E pi D^2 / (4 L), at the centroid of the nut.
+/// A ball screw: one spring along its axis, at the centroid of the nut.
 pub(super) fn read_ball_screw(table: &Table<'_>, around: &Surroundings<'_>) -> Result<Joint> {
     let (item, between) = read_between(table, around)?;
     around.check_slides(&item, between, "ball screw")?;
@@ -83,17 +85,41 @@ pub(super) fn read_ball_screw(table: &Table<'_>, around: &Surroundings<'_>) -> R
     }
     let young = table.need("young", "young = \"210 GPa\"")?.quantity(Dimension::Pressure, Bound::Positive)?;
     let diameter = table.need("diameter", "diameter = \"40 mm\"")?.quantity(Dimension::Length, Bound::Positive)?;
+    let free_length =
+        table.get("free_length").map(|item| item.quantity(Dimension::Length, Bound::Positive)).transpose()?;
+    let support = read_support(table)?;
     let damping = table.get("damping").map(|item| read_damper(&item, Motion::Translation)).transpose()?;
     let spring = Spring {
         motion: Motion::Translation,
         direction,
-        stiffness: SpringStiffness::BallScrew { young, diameter },
+        stiffness: SpringStiffness::BallScrew { young, diameter, free_length, support },
         damping: damping.unwrap_or(0.0),
         label: "axial".to_owned(),
     };
     let contact = table.get("backlash").map(|item| read_backlash(&item)).transpose()?;
     let joint = joint(JointKind::BallScrew, between, JointPoint::Centroid(1), vec![spring]);
     Ok(Joint { contact, ..joint })
+}
+
+/// Which ends of a ball screw are held: `support`, and with both ends `span`.
+fn read_support(table: &Table<'_>) -> Result<ScrewSupport> {
+    let span = table.get("span");
+    let both = match table.get("support") {
+        None => false,
+        Some(item) => match item.text()? {
+            "one-end" => false,
+            "both-ends" => true,
+            _ => return Err(item.refuse("\"one-end\" or \"both-ends\"", "write one of them")),
+        },
+    };
+    if both {
+        let span = table.need("span", "span = \"1200 mm\", the distance between the two supports")?;
+        return Ok(ScrewSupport::BothEnds { span: span.quantity(Dimension::Length, Bound::Positive)? });
+    }
+    if let Some(span) = span {
+        return Err(span.refuse("no span without support = \"both-ends\"", "remove it, or add support = \"both-ends\""));
+    }
+    Ok(ScrewSupport::OneEnd)
 }
 
 /// A bolted connection: all six stiffnesses, at the centroid of the second side unless `at` says else.

@@ -9,24 +9,33 @@
 //! [`parse_quantity`]. The bundled mill, [`bundled_vertical_mill`], is the worked example.
 
 mod analysis;
+mod analysis_model;
 mod axis;
 mod bundled;
 mod contact;
 mod error;
+mod frequencies;
 mod interfaces;
 mod joint_kinds;
 mod joints;
+mod matrices;
 mod model;
 mod nearest;
 mod parts;
+mod placement;
 mod ports;
 mod quantity;
 mod read;
 mod springs;
-mod table;
+pub(crate) mod table;
+mod units;
 
+pub(crate) use analysis::read_damping;
+pub use analysis_model::*;
 pub use bundled::bundled_vertical_mill;
 pub use error::{MachineError, Place};
+pub use frequencies::{DEFAULT_BACKGROUND, DEFAULT_POINTS, logarithmic_frequencies, uniform_frequencies};
+pub use matrices::{InterfaceNodes, InterfaceWeights, MatrixFiles};
 pub use model::*;
 pub use nearest::nearest;
 pub use quantity::{Dimension, QuantityError, parse_quantity};

@@ -1,5 +1,7 @@
 //! The types of a machine, in SI units.
 
+use super::analysis_model::Analysis;
+use super::matrices::MatrixFiles;
 use std::path::PathBuf;
 
 /// A machine: parts, the joints between them, the axis that moves some of them, and what to analyse.
@@ -38,6 +40,58 @@ pub struct Part {
     pub loss_factor: Option<f64>,
     /// Length, mass and time unit of the mesh file, as factors to m, kg, s.
     pub mesh_units: MeshUnits,
+    /// Stiffness and mass as another program wrote them, in place of the mesh's elements; `mesh` is then
+    /// the stiffness file unless the part names a mesh for its nodes and surfaces.
+    pub matrices: Option<MatrixFiles>,
+    /// Node sets of which single displacements are fixed to ground.
+    pub supported: Vec<Support>,
+    /// Whether C3D8 elements stay plain; otherwise they get incompatible modes (C3D8I).
+    pub plain_bricks: bool,
+    /// Where the mesh stands in the machine.
+    pub placement: Placement,
+}
+
+/// A node set some of whose displacements are fixed to ground.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Support {
+    /// Node set of the mesh.
+    pub nodes: String,
+    /// Which of x, y, z (of the machine) are fixed.
+    pub directions: [bool; 3],
+}
+
+/// How the mesh file's coordinates lie in the machine: x = origin + R x_mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// R, by rows; its columns are the mesh's axes in the machine.
+    pub rotation: [[f64; 3]; 3],
+    /// The mesh's origin in the machine, m.
+    pub origin: [f64; 3],
+}
+
+impl Placement {
+    /// The mesh stands as it is drawn.
+    pub const IDENTITY: Self = Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
+
+    /// A point of the mesh (m) in the machine.
+    pub fn apply(&self, x: [f64; 3]) -> [f64; 3] {
+        let r = &self.rotation;
+        std::array::from_fn(|i| self.origin[i] + r[i][0] * x[0] + r[i][1] * x[1] + r[i][2] * x[2])
+    }
+}
+
+impl Part {
+    /// Every file that the part is made from.
+    pub fn files(&self) -> Vec<&std::path::Path> {
+        let mut files = vec![self.mesh.as_path()];
+        if let Some(given) = &self.matrices {
+            let optional = [&given.dofs, &given.nodes, &given.sets];
+            let own = [&given.stiffness, &given.mass].into_iter().chain(optional.into_iter().flatten());
+            files.extend(own.map(PathBuf::as_path).filter(|f| *f != self.mesh));
+            files.dedup();
+        }
+        files
+    }
 }
 
 /// Factors from a mesh file's units to m, kg and s.
@@ -128,7 +182,7 @@ pub enum JointKind {
     LinearGuide,
     /// Radial and axial stiffness at a point of an axis.
     Bearing,
-    /// Axial stiffness E pi D^2 / (4 L), L following the position; side 1 is the nut.
+    /// Axial stiffness of a screw whose free length follows the position; side 1 is the nut.
     BallScrew,
     /// Three translational and three rotational stiffnesses.
     Bolted,
@@ -216,13 +270,45 @@ pub enum Motion {
 pub enum SpringStiffness {
     /// N/m or N m/rad.
     Constant(f64),
-    /// E pi D^2 / (4 L), with L the distance between the two sides' centroids along the joint's axis.
+    /// A ball screw of free length L, which follows the position; see [`ScrewSupport::stiffness`].
     BallScrew {
         /// Young's modulus, Pa.
         young: f64,
         /// Diameter, m.
         diameter: f64,
+        /// Free length at position 0, m; `None` takes the distance between the two sides' centroids along the axis.
+        free_length: Option<f64>,
+        /// Which ends are held axially.
+        support: ScrewSupport,
     },
+}
+
+/// Which ends of a ball screw are held axially.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ScrewSupport {
+    /// The end at the mount; the other floats.
+    OneEnd,
+    /// Both ends.
+    BothEnds {
+        /// Distance between the two supports, m.
+        span: f64,
+    },
+}
+
+impl ScrewSupport {
+    /// Axial stiffness at the nut of a screw with free length `length` (m) from mount to nut, N/m.
+    ///
+    /// ```text
+    /// one end:    k = E A / L                          A = pi D^2 / 4
+    /// both ends:  k = E A (1 / L + 1 / (span - L))
+    /// ```
+    pub fn stiffness(self, young: f64, diameter: f64, length: f64) -> f64 {
+        let area = std::f64::consts::PI * diameter * diameter / 4.0;
+        match self {
+            Self::OneEnd => young * area / length,
+            Self::BothEnds { span } => young * area * (1.0 / length + 1.0 / (span - length)),
+        }
+    }
 }
 
 /// The axis of travel.
@@ -269,50 +355,4 @@ pub struct Port {
     pub input: bool,
     /// Whether motion is read here.
     pub output: bool,
-}
-
-/// What to compute.
-#[derive(Clone, Debug)]
-pub struct Analysis {
-    /// Reduction of the parts.
-    pub component: ComponentAnalysis,
-    /// Modes in the state space of each position (free modes at 0 Hz included).
-    pub modes: usize,
-    /// Frequency grid of the map, Hz, ascending.
-    pub frequencies: Vec<f64>,
-    /// Damping of the coupled modes.
-    pub damping: Damping,
-}
-
-/// Reduction of the parts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ComponentAnalysis {
-    /// Component modes a part, at most.
-    pub modes: usize,
-    /// Component modes above this frequency (Hz) are not kept; infinite for no bound.
-    pub band: f64,
-    /// Reduction method.
-    pub method: ReductionMethod,
-    /// Whether K^-1 M K^-1 B is added to K^-1 B.
-    pub second_moment: bool,
-}
-
-/// Component mode synthesis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ReductionMethod {
-    /// Constraint modes and fixed-interface modes.
-    CraigBampton,
-    /// Free-interface modes and attachment modes.
-    FreeInterface,
-}
-
-/// Damping of the coupled modes; joint dampers and loss factors of parts and joints come on top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Damping {
-    /// Viscous ratios: one for all modes, or one a mode (the last is kept for those beyond the list).
-    pub ratios: Vec<f64>,
-    /// Rayleigh damping C = alpha M + beta K: (alpha in 1/s, beta in s).
-    pub rayleigh: Option<[f64; 2]>,
-    /// Structural loss factor of the whole machine.
-    pub loss_factor: f64,
 }

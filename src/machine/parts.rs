@@ -2,10 +2,13 @@
 
 use super::error::MachineError;
 use super::interfaces::read_interfaces;
-use super::model::{Material, MeshUnits, Part};
+use super::matrices::read_matrix_files;
+use super::model::{Material, MeshUnits, Part, Placement};
 use super::nearest::nearest;
+use super::placement::{read_placement, read_supports};
 use super::quantity::Dimension;
 use super::table::{Bound, Item, Table};
+use super::units::read_units;
 use std::path::{Path, PathBuf};
 
 type Result<T> = std::result::Result<T, MachineError>;
@@ -27,25 +30,48 @@ pub(super) fn read_parts(root: &Table<'_>, file: &Path) -> Result<Vec<Part>> {
 
 fn read_part(name: &str, item: &Item<'_>, folder: &Path, default_units: MeshUnits) -> Result<Part> {
     let table = item.table()?;
-    let mesh = read_mesh_path(&table.need("mesh", "mesh = \"FILE.inp\"")?, folder)?;
+    let matrices = table.get("matrices");
+    let mesh = match (&matrices, table.get("mesh")) {
+        (_, Some(mesh)) => Some(read_mesh_path(&mesh, folder)?),
+        (Some(_), None) => None,
+        (None, None) => Some(read_mesh_path(&table.need("mesh", "mesh = \"FILE.inp\"")?, folder)?),
+    };
     let units = table.get("units").map(|item| read_units(&item)).transpose()?;
     let material = table.get("material").map(|item| read_material(&item, name)).transpose()?;
     let clamped = table.get("clamped").map(|item| read_set_names(&item)).transpose()?;
-    let interfaces = table.get("interfaces").map(|item| read_interfaces(&item)).transpose()?;
+    let interfaces = table.get("interfaces").map(|item| read_interfaces(&item, matrices.is_some())).transpose()?;
+    let (interfaces, nodes): (Vec<_>, Vec<_>) = interfaces.unwrap_or_default().into_iter().unzip();
+    let matrices = matrices.map(|item| read_matrix_files(&item, folder, mesh.is_some(), nodes)).transpose()?;
+    if let (Some(_), Some(item)) = (&matrices, table.get("material")) {
+        return Err(
+            item.refuse("a material of a part with a mesh alone", "remove it; the matrices hold stiffness and mass")
+        );
+    }
     let loss_factor = table.get("loss_factor").map(|item| read_loss_factor(&item)).transpose()?;
+    let supported = table.get("supported").map(|item| read_supports(&item)).transpose()?;
+    let plain_bricks = table.get("plain_bricks").map(|item| item.boolean()).transpose()?;
+    let placement = read_placement(&table)?;
+    if matrices.is_some() && placement.rotation != Placement::IDENTITY.rotation {
+        let advice = "write the matrices in the machine's directions; only an origin may be given";
+        return Err(item.refuse_seen("a turned part by matrices", "matrices along x, y, z of the machine", advice));
+    }
     table.finish()?;
     Ok(Part {
         name: name.to_owned(),
-        mesh,
+        mesh: mesh.or_else(|| matrices.as_ref().map(|m| m.stiffness.clone())).unwrap_or_default(),
+        matrices,
         material,
         clamped: clamped.unwrap_or_default(),
-        interfaces: interfaces.unwrap_or_default(),
+        interfaces,
         loss_factor,
         mesh_units: units.unwrap_or(default_units),
+        supported: supported.unwrap_or_default(),
+        plain_bricks: plain_bricks.unwrap_or(false),
+        placement,
     })
 }
 
-fn read_mesh_path(item: &Item<'_>, folder: &Path) -> Result<PathBuf> {
+pub(super) fn read_mesh_path(item: &Item<'_>, folder: &Path) -> Result<PathBuf> {
     let name = item.text()?;
     if name.trim().is_empty() {
         return Err(item.refuse("the name of a mesh file", "name one, relative to the machine file"));
@@ -63,17 +89,6 @@ fn read_mesh_path(item: &Item<'_>, folder: &Path) -> Result<PathBuf> {
     let last = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let nearest = nearest(&last, neighbours.iter().map(String::as_str)).map(str::to_owned);
     Err(MachineError::MissingMesh { place: item.place(), path, nearest })
-}
-
-fn read_units(item: &Item<'_>) -> Result<MeshUnits> {
-    match item.text()? {
-        "m-kg-s" => Ok(MeshUnits::METRE_KILOGRAM_SECOND),
-        "mm-t-s" => Ok(MeshUnits::MILLIMETRE_TONNE_SECOND),
-        _ => {
-            Err(item
-                .refuse("\"m-kg-s\" (N, Pa) or \"mm-t-s\" (N, MPa)", "name the units that the mesh file is written in"))
-        }
-    }
 }
 
 fn read_material(item: &Item<'_>, part: &str) -> Result<Material> {

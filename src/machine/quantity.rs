@@ -15,6 +15,8 @@ pub enum Dimension {
     Stiffness,
     /// Rotational stiffness, N m/rad.
     RotationalStiffness,
+    /// Compliance, m/N.
+    Compliance,
     /// Viscous damping of a translation, N s/m.
     Damping,
     /// Viscous damping of a rotation, N m s/rad.
@@ -56,6 +58,7 @@ impl Dimension {
             Self::Length => ("a length", &["m", "mm", "um"], [1, 0, 0, 0, 0]),
             Self::Stiffness => ("a stiffness", &["N/m", "N/um", "N/mm", "kN/mm"], [0, 1, -2, 0, 0]),
             Self::RotationalStiffness => ("a rotational stiffness", &["N m/rad", "kN m/rad"], [2, 1, -2, -1, 0]),
+            Self::Compliance => ("a compliance", &["m/N", "um/N"], [0, -1, 2, 0, 0]),
             Self::Damping => ("a damping", &["N s/m", "N s/mm", "kN s/m"], [0, 1, -1, 0, 0]),
             Self::RotationalDamping => ("a rotational damping", &["N m s/rad"], [2, 1, -1, -1, 0]),
             Self::Pressure => ("a modulus", &["Pa", "GPa", "MPa", "N/mm2"], [-1, 1, -2, 0, 0]),
@@ -208,6 +211,7 @@ fn name_of(exponents: Exponents) -> &'static str {
         Length,
         Stiffness,
         RotationalStiffness,
+        Compliance,
         Damping,
         RotationalDamping,
         Pressure,

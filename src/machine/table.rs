@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 type Result<T> = std::result::Result<T, MachineError>;
 
 /// The file's name and text.
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     pub path: &'a Path,
     pub text: &'a str,
 }
@@ -33,7 +33,7 @@ impl Source<'_> {
 
 /// A value of the file with its key path.
 #[derive(Clone)]
-pub(super) struct Item<'a> {
+pub(crate) struct Item<'a> {
     source: &'a Source<'a>,
     value: &'a DeValue<'a>,
     span: Range<usize>,
@@ -43,7 +43,7 @@ pub(super) struct Item<'a> {
 
 /// Which numbers a quantity may be.
 #[derive(Clone, Copy)]
-pub(super) enum Bound {
+pub(crate) enum Bound {
     Any,
     Positive,
     NotNegative,
@@ -219,7 +219,7 @@ impl<'a> Item<'a> {
 }
 
 /// A table of the file that remembers which keys were asked for.
-pub(super) struct Table<'a> {
+pub(crate) struct Table<'a> {
     pub item: Item<'a>,
     map: &'a DeTable<'a>,
     asked: RefCell<Vec<&'static str>>,
@@ -306,7 +306,7 @@ impl<'a> Table<'a> {
 }
 
 /// Index of a name among the existing ones.
-pub(super) fn find_name(item: &Item<'_>, kind: &str, name: &str, existing: &[&str]) -> Result<usize> {
+pub(crate) fn find_name(item: &Item<'_>, kind: &str, name: &str, existing: &[&str]) -> Result<usize> {
     existing.iter().position(|other| *other == name).ok_or_else(|| MachineError::UnknownName {
         place: item.place(),
         kind: kind.to_owned(),

@@ -21,6 +21,9 @@ impl fmt::Display for Spot {
 /// Why a mesh file is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
+    /// A part's matrices are not usable.
+    #[error(transparent)]
+    Matrix(#[from] crate::matrix::MatrixError),
     /// The file is missing or may not be read.
     #[error("{}: cannot read the mesh file: {source}; correct the name or the permissions", file.display())]
     Unreadable {
@@ -30,7 +33,7 @@ pub enum MeshError {
         source: std::io::Error,
     },
     /// No reader for this extension.
-    #[error("{}: unknown mesh format {extension:?}; allowed: \"inp\" (Abaqus, CalculiX); export the mesh in that format", file.display())]
+    #[error("{}: unknown mesh format {extension:?}; allowed: \"inp\" (Abaqus, CalculiX), \"msh\" (Gmsh); export the mesh in that format", file.display())]
     UnknownFormat {
         /// The mesh file.
         file: PathBuf,
@@ -169,8 +172,61 @@ pub enum MeshError {
         /// The limit.
         limit: usize,
     },
+    /// A file that `*INCLUDE` names and that cannot be taken in.
+    #[error("{spot}: *INCLUDE of {}: {reason}", include.display())]
+    Include {
+        /// Where.
+        spot: Spot,
+        /// The file named.
+        include: PathBuf,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// A section that gives a material to elements that are no solids.
+    #[error(
+        "{spot}: the section covers element {element}, a {kind}, which is not supported; allowed: solid elements; mesh the body with solids, or remove the section if the element does not matter"
+    )]
+    NoSolid {
+        /// Where the section stands.
+        spot: Spot,
+        /// The element's label.
+        element: u64,
+        /// Its type.
+        kind: String,
+    },
+    /// A deck whose modes cannot be computed.
+    #[error("{spot}: {reason}")]
+    Deck {
+        /// Where.
+        spot: Spot,
+        /// What was found, what is allowed, what to do.
+        reason: String,
+    },
+    /// Something in a section of a Gmsh file that cannot be read or is not allowed.
+    #[error("{spot}: ${section}: found {seen:?}; allowed: {allowed}")]
+    Gmsh {
+        /// Where.
+        spot: Spot,
+        /// The section.
+        section: &'static str,
+        /// The text seen, shortened.
+        seen: String,
+        /// What is allowed, and what to do.
+        allowed: String,
+    },
+    /// Displacements that the file holds along axes which the machine file turns.
+    #[error(
+        "{}: the file holds single displacements of node {node} (*BOUNDARY) along its own axes, which `orientation` turns away from the machine's; hold them with `supported` in the machine file instead",
+        file.display()
+    )]
+    TurnedSupport {
+        /// The mesh file.
+        file: PathBuf,
+        /// Label of the node.
+        node: u64,
+    },
     /// No element to assemble.
-    #[error("{}: the mesh has no elements; allowed: at least one *ELEMENT, TYPE=C3D10; the file may be cut off", file.display())]
+    #[error("{}: the mesh has no elements; allowed: at least one solid element (C3D4, C3D6, C3D8, C3D8I, C3D10, C3D15, C3D20, C3D20R); the file may be cut off", file.display())]
     NoElements {
         /// The mesh file.
         file: PathBuf,

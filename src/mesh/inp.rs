@@ -1,66 +1,108 @@
-//! Abaqus/CalculiX `.inp`: nodes, ten-node tetrahedra, sets, isotropic materials, solid sections.
+//! Abaqus/CalculiX `.inp`: nodes, solid elements, sets, surfaces, isotropic materials, solid sections,
+//! held displacements, included files.
 //!
 //! Keywords and set names are read without regard to case, data in free format. What would not change
-//! the mesh (output requests, steps) is passed over with a warning; everything else that is not
+//! the mesh (output requests, later steps) is passed over with a warning; everything else that is not
 //! understood is refused with its line.
 //!
 //! The file is read in two passes: `sections` collects what stands in it, `assemble` resolves labels and
-//! names, so sections may come in any order.
+//! names, so sections may come in any order. [`read_deck`] reads the frequency step too.
 
 mod assemble;
 mod keywords;
-mod labels;
 mod lines;
+mod materials;
 mod properties;
 mod raw;
 mod sections;
 mod sets;
+mod source;
+mod step;
+mod surfaces;
 mod topology;
 
-use super::{Mesh, MeshError, MeshFile, Spot, Warning};
+pub use raw::FrequencyStep;
+pub use source::included_files;
+
+use super::{Mesh, MeshError, MeshFile, Warning};
 use crate::machine::MeshUnits;
+use sections::Purpose;
+use source::Source;
 use std::path::Path;
 
 /// The mesh of an Abaqus/CalculiX input file; its warnings go to the log.
 ///
 /// `units` are those of the file; the mesh is in m, Pa and kg/m^3. Nodes that no element uses are
-/// dropped. An element without a `*SOLID SECTION` has no material.
+/// dropped. An element without a `*SOLID SECTION` has no material. C3D8 is read as C3D8I.
 ///
 /// # Errors
 /// [`MeshError`] with the line: a keyword or parameter that would change the result and is not
-/// supported, an element type other than C3D10, unreadable or infinite numbers, labels given twice,
-/// labels or names that do not exist, an element that is cut off, a material without modulus or density,
-/// no elements.
+/// supported, an element type that is no supported solid, unreadable or infinite numbers, labels given
+/// twice, labels or names that do not exist, an element that is cut off, a material without modulus or
+/// density, no elements.
 pub fn read_inp(path: &Path, units: MeshUnits) -> Result<Mesh, MeshError> {
-    let MeshFile { mesh, warnings } = read_inp_file(path, units)?;
+    let MeshFile { mesh, warnings } = read_inp_file(path, units, false)?;
     for Warning { line, text } in warnings {
         tracing::warn!("{}:{line}: {text}", path.display());
     }
     Ok(mesh)
 }
 
-/// The mesh of an Abaqus/CalculiX input file and its warnings.
+/// The mesh of an Abaqus/CalculiX input file and its warnings; C3D8 stays as it is if `plain_bricks`.
 ///
 /// # Errors
 /// As [`read_inp`].
-pub fn read_inp_file(path: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
-    let bytes = std::fs::read(path).map_err(|source| MeshError::Unreadable { file: path.to_path_buf(), source })?;
-    parse_inp(&bytes, path, units)
+pub fn read_inp_file(path: &Path, units: MeshUnits, plain_bricks: bool) -> Result<MeshFile, MeshError> {
+    let source = Source::new(&read(path)?, path)?;
+    assemble::assemble(sections::collect(&source, Purpose::Part, plain_bricks)?, &source, units)
 }
 
-/// The mesh of the bytes of an input file; `file` serves the messages.
+/// The mesh of the bytes of an input file; `file` serves the messages, and its folder what is included.
 ///
 /// # Errors
 /// As [`read_inp`].
 pub fn parse_inp(bytes: &[u8], file: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
-    let text = std::str::from_utf8(bytes).ok().filter(|text| !text.contains('\0')).ok_or_else(|| {
-        let valid = match std::str::from_utf8(bytes) {
-            Ok(text) => text.find('\0').unwrap_or(0),
-            Err(error) => error.valid_up_to(),
-        };
-        let line = 1 + bytes[..valid].iter().filter(|&&b| b == b'\n').count();
-        MeshError::NotText { spot: Spot { file: file.to_path_buf(), line } }
+    let source = Source::new(bytes, file)?;
+    assemble::assemble(sections::collect(&source, Purpose::Part, false)?, &source, units)
+}
+
+/// A deck: a mesh and what its frequency step asks for, in the deck's own units.
+#[derive(Clone, Debug)]
+pub struct Deck {
+    /// The mesh, with what the deck holds in [`Mesh::supports`].
+    pub mesh: Mesh,
+    /// The frequency step.
+    pub frequency: FrequencyStep,
+    /// What was passed over.
+    pub warnings: Vec<Warning>,
+}
+
+/// A CalculiX or Abaqus deck whose first step computes frequencies; `modes` overrides their number and
+/// serves where the deck has no step.
+///
+/// # Errors
+/// As [`read_inp`], and [`MeshError::Deck`] where the first step is another, or there is none and no `modes`.
+pub fn read_deck(path: &Path, plain_bricks: bool, modes: Option<usize>) -> Result<Deck, MeshError> {
+    parse_deck(&read(path)?, path, plain_bricks, modes)
+}
+
+/// The same of the bytes of a deck.
+///
+/// # Errors
+/// As [`read_deck`].
+pub fn parse_deck(bytes: &[u8], file: &Path, plain_bricks: bool, modes: Option<usize>) -> Result<Deck, MeshError> {
+    let source = Source::new(bytes, file)?;
+    let raw = sections::collect(&source, Purpose::Deck, plain_bricks)?;
+    let whole = |modes| FrequencyStep { modes, from: f64::NEG_INFINITY, to: f64::INFINITY };
+    let mut frequency = raw.frequency.or(modes.map(whole)).ok_or_else(|| MeshError::Deck {
+        spot: source.spot(1),
+        reason: "the deck has no *STEP; allowed: a first step of *FREQUENCY; add it, or give --modes".into(),
     })?;
-    let raw = sections::collect(text, file)?;
-    assemble::assemble(raw, file, units)
+    frequency.modes = modes.unwrap_or(frequency.modes);
+    let MeshFile { mesh, warnings } = assemble::assemble(raw, &source, MeshUnits::METRE_KILOGRAM_SECOND)?;
+    Ok(Deck { mesh, frequency, warnings })
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, MeshError> {
+    std::fs::read(path).map_err(|source| MeshError::Unreadable { file: path.to_path_buf(), source })
 }

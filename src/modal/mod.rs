@@ -1,11 +1,13 @@
 //! Modes at a position: found, counted, tracked into families.
 
+mod convergence;
 mod free_motion;
 mod solve;
 mod tracking;
 
-pub use solve::{FreeMotion, ModeCount, Modes, check_count, modes_at, modes_of};
-pub use tracking::{mode_table, track};
+pub use convergence::{ConvergenceError, Extrapolation, extrapolate};
+pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at};
+pub use tracking::{Tracker, mode_table, track};
 
 use crate::coupling::CouplingError;
 use crate::linalg::LinalgError;

@@ -1,8 +1,8 @@
 //! Modes of the coupled machine at one position.
 
 use super::{ModalError, free_motion};
-use crate::coupling::{AtPosition, Coupled, CoupledModel};
-use crate::linalg::{multiply, symmetric_eigen_polished};
+use crate::coupling::{Around, CoupledModel, SpringValues};
+use crate::linalg::{SymmetricEigen, multiply, symmetric_eigen_low, symmetric_eigen_polished};
 use crate::machine::Damping;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -20,7 +20,7 @@ pub struct Modes {
     pub damping_ratios: Vec<f64>,
     /// Structural loss factor of each mode.
     pub loss_factors: Vec<f64>,
-    /// Mass-normalised shapes in the fixed basis, n x n.
+    /// Mass-normalised shapes over the coordinates they were solved in, n x n.
     pub shapes: DMatrix<f64>,
     /// Shapes at the outputs, n_output x n, kg^(-1/2).
     pub outputs: DMatrix<f64>,
@@ -28,6 +28,8 @@ pub struct Modes {
     pub inputs: DMatrix<f64>,
     /// Static compliance that no mode of the basis carries, n_output x n_input, m/N.
     pub direct: DMatrix<f64>,
+    /// Structural loss factor of that static compliance: the whole machine's.
+    pub direct_loss_factor: f64,
 }
 
 /// Share of the largest elastic mode's port motion above which a port feels a free motion.
@@ -86,74 +88,162 @@ impl Modes {
 /// K(p), which the fixed basis bounds.
 pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64, polished: usize) -> Result<Modes, ModalError> {
     let at = model.at(position)?;
-    let stiffness = model.stiffness(position)?;
-    modes_of(model, damping, &at, &stiffness, polished)
+    let springs = model.springs(position)?;
+    let coupled = model.coupled(&at, &springs.stiffness);
+    let eigen = symmetric_eigen_polished(&coupled.stiffness, polished)
+        .map_err(|source| ModalError::Eigen { position, source })?;
+    let parts = model.parts.iter().zip(&at.residual_of_part).filter_map(|(part, residual)| {
+        let (Some(eta), Some(k), Some(c)) = (part.loss_factor, &part.stiffness, residual) else { return None };
+        let forces = multiply(&coupled.forces, &eigen.vectors);
+        let strain = multiply(k, &eigen.vectors) - 2.0 * multiply(&c.with_basis, &forces);
+        let in_series = multiply(&c.between_forces, &forces);
+        let energy =
+            |r: usize| eigen.vectors.column(r).dot(&strain.column(r)) + forces.column(r).dot(&in_series.column(r));
+        Some((eta, (0..eigen.values.len()).map(energy).collect()))
+    });
+    let parts = parts.collect();
+    let elongations = &coupled.elongations;
+    let rows = Rows { outputs: &coupled.outputs, inputs: &coupled.inputs, direct: coupled.direct, elongations, parts };
+    rows.modes(position, damping, &springs, eigen)
 }
 
-/// The same with given spring stiffnesses (N/m or N m/rad), for designs.
+/// Modes of a design at a position around its base, in that base's coordinates: the k-th entry of a
+/// shape is its share of the base's k-th mode.
+///
+/// `part_losses` are the design's loss factors of the parts; a part that had none in the base has none.
 ///
 /// # Errors
 /// As [`modes_at`].
-pub fn modes_of(
-    model: &CoupledModel,
+///
+/// # Accuracy
+/// That of [`crate::coupling::CoupledModel::around`], and 1e-9 of an eigenvalue in the band.
+pub fn modes_around(
+    around: &Around,
     damping: &Damping,
-    at: &AtPosition,
-    stiffness: &[f64],
-    polished: usize,
+    springs: &SpringValues,
+    part_losses: &[Option<f64>],
 ) -> Result<Modes, ModalError> {
-    let position = at.position;
-    let coupled = model.coupled(at, stiffness);
-    let eigen = symmetric_eigen_polished(&coupled.stiffness, polished)
+    let position = around.position;
+    let design = around.coupled(&springs.stiffness)?;
+    let eigen = symmetric_eigen_low(&design.stiffness, (TAU * LOW).powi(2))
         .map_err(|source| ModalError::Eigen { position, source })?;
-    let n = model.n();
-    let rounding = f64::EPSILON * n as f64 * eigen.values.amax();
-    let mut eigenvalues: Vec<f64> = eigen.values.iter().copied().collect();
-    if let Some(&lowest) = eigenvalues.first()
-        && lowest < -rounding
-    {
-        return Err(ModalError::Negative { position, eigenvalue: lowest, rounding });
+    let elongations = around.elongations(&design);
+    let mut parts = Vec::new();
+    for (form, eta) in around.strain_energy.iter().zip(part_losses) {
+        if let (Some(form), Some(eta)) = (form, eta) {
+            let state = stacked(&eigen.vectors, &multiply(&design.tension, &eigen.vectors));
+            let forces = multiply(form, &state);
+            parts.push((*eta, (0..eigen.values.len()).map(|r| state.column(r).dot(&forces.column(r))).collect()));
+        }
     }
-    let free = eigenvalues.iter().take_while(|l| **l <= rounding).count();
-    eigenvalues[..free].fill(0.0);
-
-    let (damping_ratios, loss_factors) =
-        modal_damping(model, damping, at, &coupled, stiffness, &eigenvalues, free, &eigen.vectors);
-    Ok(Modes {
-        position,
-        free,
-        damping_ratios,
-        loss_factors,
-        outputs: multiply(&coupled.outputs, &eigen.vectors),
-        inputs: multiply(&coupled.inputs, &eigen.vectors),
-        direct: coupled.direct,
-        shapes: eigen.vectors,
-        eigenvalues,
-    })
+    let rows = Rows {
+        outputs: &design.outputs,
+        inputs: &design.inputs,
+        direct: design.direct,
+        elongations: &elongations,
+        parts,
+    };
+    rows.modes(position, damping, springs, eigen)
 }
 
-/// Viscous ratio and loss factor of every mode.
+/// The base's own modes: coordinates that carry inertia above the band count as modes too.
+///
+/// `springs` are the dampers and loss factors to project on them, with the base's stiffness.
+///
+/// # Errors
+/// [`ModalError::Negative`].
+pub fn base_modes(
+    around: &Around,
+    damping: &Damping,
+    springs: &SpringValues,
+    part_losses: &[Option<f64>],
+) -> Result<Modes, ModalError> {
+    let (m, s, o) = (around.n(), around.springs.nrows(), around.outputs.nrows());
+    let energies = around.strain_energy.iter().zip(part_losses).filter_map(|(form, eta)| {
+        let (form, eta) = (form.as_ref()?, (*eta)?);
+        Some((eta, (0..m).map(|r| form[(r, r)]).collect::<Vec<f64>>()))
+    });
+    let rows = Rows {
+        outputs: &around.outputs,
+        inputs: &around.inputs,
+        direct: around.residual.view((s, s + o), (o, around.inputs.nrows())).into_owned(),
+        elongations: &around.springs,
+        parts: energies.collect(),
+    };
+    let eigen = SymmetricEigen { values: around.eigenvalues.clone(), vectors: DMatrix::identity(m, m) };
+    rows.modes(around.position, damping, springs, eigen)
+}
+
+/// What modes need of the coordinates they were solved in.
+struct Rows<'a> {
+    outputs: &'a DMatrix<f64>,
+    inputs: &'a DMatrix<f64>,
+    direct: DMatrix<f64>,
+    /// Elongations of all springs, n_springs x n.
+    elongations: &'a DMatrix<f64>,
+    /// Loss factor of each part that has one, and twice its strain energy in each mode.
+    parts: Vec<(f64, Vec<f64>)>,
+}
+
+impl Rows<'_> {
+    fn modes(
+        self,
+        position: f64,
+        damping: &Damping,
+        springs: &SpringValues,
+        eigen: SymmetricEigen,
+    ) -> Result<Modes, ModalError> {
+        let (eigenvalues, free) = settled(eigen.values.as_slice(), position)?;
+        let elongations = springs.dissipate().then(|| multiply(self.elongations, &eigen.vectors));
+        let (damping_ratios, loss_factors) =
+            modal_damping(damping, springs, elongations.as_ref(), &self.parts, &eigenvalues, free);
+        Ok(Modes {
+            position,
+            free,
+            damping_ratios,
+            loss_factors,
+            outputs: multiply(self.outputs, &eigen.vectors),
+            inputs: multiply(self.inputs, &eigen.vectors),
+            direct: self.direct,
+            direct_loss_factor: damping.loss_factor,
+            shapes: eigen.vectors,
+            eigenvalues,
+        })
+    }
+}
+
+/// Shift of the eigenproblem around a base, Hz: below the machine's modes, above its free motions.
+const LOW: f64 = 5.0;
+
+/// Eigenvalues with free motions at exactly 0, and how many these are.
+fn settled(values: &[f64], position: f64) -> Result<(Vec<f64>, usize), ModalError> {
+    let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let rounding = f64::EPSILON * values.len() as f64 * largest;
+    if let Some(&eigenvalue) = values.first()
+        && eigenvalue < -rounding
+    {
+        return Err(ModalError::Negative { position, eigenvalue, rounding });
+    }
+    let free = values.iter().take_while(|l| **l <= rounding).count();
+    let mut eigenvalues = values.to_vec();
+    eigenvalues[..free].fill(0.0);
+    Ok((eigenvalues, free))
+}
+
+/// Viscous ratio and loss factor of every mode, from the springs' elongations (n_springs x n, if any
+/// spring dissipates) and twice the strain energy of each part that has a loss factor.
 ///
 /// Joint dampers and loss factors of single parts and joints are projected on the undamped modes:
 /// their coupling between modes is left out, which is an approximation of second order in the damping.
-#[expect(clippy::too_many_arguments, reason = "one step of modes_of, with its locals")]
 fn modal_damping(
-    model: &CoupledModel,
     damping: &Damping,
-    at: &AtPosition,
-    coupled: &Coupled,
-    stiffness: &[f64],
+    springs: &SpringValues,
+    elongations: Option<&DMatrix<f64>>,
+    parts: &[(f64, Vec<f64>)],
     eigenvalues: &[f64],
     free: usize,
-    shapes: &DMatrix<f64>,
 ) -> (Vec<f64>, Vec<f64>) {
     let n = eigenvalues.len();
-    let springs: Vec<(f64, f64)> = model
-        .joints()
-        .iter()
-        .flat_map(|j| j.springs.iter().map(|s| (s.damping, j.loss_factor.unwrap_or(0.0))))
-        .collect();
-    let elongations =
-        springs.iter().any(|(c, eta)| *c > 0.0 || *eta > 0.0).then(|| multiply(&coupled.elongations, shapes));
     let mut ratios = vec![0.0; n];
     let mut losses = vec![0.0; n];
     for r in free..n {
@@ -161,27 +251,24 @@ fn modal_damping(
         let listed = damping.ratios.get(r - free).or(damping.ratios.last()).copied().unwrap_or(0.0);
         let rayleigh = damping.rayleigh.map_or(0.0, |[alpha, beta]| 0.5 * (alpha / omega + beta * omega));
         let (mut dampers, mut joint_loss) = (0.0, 0.0);
-        if let Some(elongations) = &elongations {
-            for (s, (c, eta)) in springs.iter().enumerate() {
-                let square = elongations[(s, r)].powi(2);
-                dampers += c * square;
-                joint_loss += eta * stiffness[s] * square;
+        if let Some(elongations) = elongations {
+            for (s, elongation) in elongations.column(r).iter().enumerate() {
+                let square = elongation * elongation;
+                dampers += springs.damping[s] * square;
+                joint_loss += springs.loss_factors[s] * springs.stiffness[s] * square;
             }
         }
         ratios[r] = listed + rayleigh + dampers / (2.0 * omega);
-        losses[r] = damping.loss_factor + joint_loss / eigenvalues[r];
-    }
-    for (part, residual) in model.parts.iter().zip(&at.residual_of_part) {
-        let (Some(eta), Some(k), Some(c)) = (part.loss_factor, &part.stiffness, residual) else { continue };
-        let forces = multiply(&coupled.forces, shapes);
-        let strain = multiply(k, shapes) - 2.0 * multiply(&c.with_basis, &forces);
-        let in_series = multiply(&c.between_forces, &forces);
-        for r in free..n {
-            let energy = shapes.column(r).dot(&strain.column(r)) + forces.column(r).dot(&in_series.column(r));
-            losses[r] += eta * energy / eigenvalues[r];
-        }
+        let part_loss: f64 = parts.iter().map(|(eta, energy)| eta * energy[r]).sum();
+        losses[r] = damping.loss_factor + (joint_loss + part_loss) / eigenvalues[r];
     }
     (ratios, losses)
+}
+
+fn stacked(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = a.clone().resize_vertically(a.nrows() + b.nrows(), 0.0);
+    out.rows_mut(a.nrows(), b.nrows()).copy_from(b);
+    out
 }
 
 /// The inertia count at one position.

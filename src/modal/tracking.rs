@@ -28,46 +28,76 @@ pub fn track(
     reported: usize,
     solve: &dyn Fn(f64) -> Result<Modes, ModalError>,
 ) -> Result<ModeFamilies, ModalError> {
-    let Some(first) = stations.first() else { return Ok(ModeFamilies::default()) };
-    let followed = |modes: &Modes| (modes.free + reported + MARGIN).min(modes.eigenvalues.len());
-    let listed = |modes: &Modes| (modes.free + reported).min(modes.eigenvalues.len());
-    let mut families: Vec<usize> = (1..=followed(first)).collect();
-    let mut next_family = families.len() + 1;
-    let mut out = ModeFamilies::default();
-    let mut note = |modes: &Modes, families: &[usize]| {
-        out.positions.push(modes.position);
-        let row = families.iter().take(listed(modes)).enumerate().map(|(r, &family)| TrackedMode {
+    let mut tracker = Tracker::new(reported);
+    for (i, modes) in stations.iter().enumerate() {
+        tracker.follow(i.checked_sub(1).map(|before| &stations[before]), modes, solve)?;
+    }
+    Ok(tracker.finish())
+}
+
+/// [`track`] station by station, for positions whose shapes are not all kept.
+#[derive(Debug)]
+pub struct Tracker {
+    reported: usize,
+    /// Family of each mode followed at the last station.
+    families: Vec<usize>,
+    next_family: usize,
+    veerings: Vec<Veering>,
+    out: ModeFamilies,
+}
+
+impl Tracker {
+    /// A tracker that has seen no station.
+    pub fn new(reported: usize) -> Tracker {
+        Tracker { reported, families: Vec::new(), next_family: 1, veerings: Vec::new(), out: ModeFamilies::default() }
+    }
+
+    /// Follows the modes from the last station, `before`, to the next; there is none before the first.
+    ///
+    /// # Errors
+    /// What `solve` returns.
+    pub fn follow(
+        &mut self,
+        before: Option<&Modes>,
+        modes: &Modes,
+        solve: &dyn Fn(f64) -> Result<Modes, ModalError>,
+    ) -> Result<(), ModalError> {
+        assert_eq!(before.is_some(), !self.families.is_empty(), "the station before, but at the first");
+        let reported = self.reported;
+        let followed = |modes: &Modes| (modes.free + reported + MARGIN).min(modes.eigenvalues.len());
+        let listed = |modes: &Modes| (modes.free + reported).min(modes.eigenvalues.len());
+        let mut now = vec![0; followed(modes)];
+        if let Some(before) = before {
+            let matched = bridge(before, modes, &followed, listed(before), solve, BISECTIONS)?;
+            for (from, &(to, _)) in matched.to.iter().enumerate() {
+                if let Some(to) = to {
+                    now[to] = self.families[from];
+                }
+            }
+            for (a, b, mac, from, to) in matched.lost {
+                self.veerings.push(Veering { from, to, families: [self.families[a], self.families[b]], mac });
+            }
+        }
+        for family in now.iter_mut().filter(|family| **family == 0) {
+            *family = self.next_family;
+            self.next_family += 1;
+        }
+        self.out.positions.push(modes.position);
+        let row = now.iter().take(listed(modes)).enumerate().map(|(r, &family)| TrackedMode {
             family,
             rank: r + 1,
             frequency: modes.frequency(r),
             damping_ratio: modes.damping_ratios[r] + 0.5 * modes.loss_factors[r],
         });
-        out.modes.push(row.collect());
-    };
-    note(first, &families);
-    let mut veerings: Vec<Veering> = Vec::new();
-    for pair in stations.windows(2) {
-        let matched = bridge(&pair[0], &pair[1], &followed, listed(&pair[0]), solve, BISECTIONS)?;
-        let mut now = vec![0; followed(&pair[1])];
-        for (from, &(to, _)) in matched.to.iter().enumerate() {
-            if let Some(to) = to {
-                now[to] = families[from];
-            }
-        }
-        for family in &mut now {
-            if *family == 0 {
-                *family = next_family;
-                next_family += 1;
-            }
-        }
-        for (a, b, mac, from, to) in matched.lost {
-            veerings.push(Veering { from, to, families: [families[a], families[b]], mac });
-        }
-        families = now;
-        note(&pair[1], &families);
+        self.out.modes.push(row.collect());
+        self.families = now;
+        Ok(())
     }
-    out.veerings = merge(veerings);
-    Ok(out)
+
+    /// The families.
+    pub fn finish(self) -> ModeFamilies {
+        ModeFamilies { veerings: merge(self.veerings), ..self.out }
+    }
 }
 
 /// For each mode at the first position its match at the second and the smallest MAC on the way.

@@ -9,6 +9,15 @@ use nalgebra::DMatrix;
 /// earlier blocks already span has been taken out and each vector scaled to unit length, are dropped.
 const INDEPENDENT: f64 = 1e-10;
 
+/// A vector of which less than this is left once earlier blocks are taken out is rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// Squared mass norms of columns.
+fn squares(system: &SecondOrder, block: &DMatrix<f64>) -> Vec<f64> {
+    let mass_block = system.mass.multiply(block);
+    (0..block.ncols()).map(|k| block.column(k).dot(&mass_block.column(k))).collect()
+}
+
 /// Ritz values (rad/s)^2, ascending, and mass-orthonormal Ritz vectors of the span of rigid motions
 /// and blocks. The rigid motions come first with exactly zero.
 pub(super) fn rayleigh_ritz(
@@ -20,10 +29,17 @@ pub(super) fn rayleigh_ritz(
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.to_string(), source };
     let mut basis: Vec<(DMatrix<f64>, DMatrix<f64>)> = vec![(rigid.clone(), system.mass.multiply(rigid))];
     for mut block in blocks {
-        for _ in 0..2 {
+        let whole = squares(system, &block);
+        for pass in 0..2 {
             for (v, mv) in &basis {
                 if v.ncols() > 0 {
                     block -= multiply(v, &multiply_transposed(mv, &block));
+                }
+            }
+            // What earlier blocks span but for rounding would be scaled up to directions of its own.
+            for (k, left) in squares(system, &block).into_iter().enumerate().filter(|_| pass == 0) {
+                if left < ROUNDING * ROUNDING * whole[k] {
+                    block.column_mut(k).fill(0.0);
                 }
             }
             let gram = multiply_transposed(&block, &system.mass.multiply(&block));

@@ -8,7 +8,7 @@
 use super::superelement::{ReducedInterface, ReducedRail};
 use super::{ReductionError, ReductionRequest, Superelement, reduce};
 use crate::interrupt::Interrupt;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, included_files};
 use crate::solid::{Face, Surface};
 use nalgebra::{DMatrix, Matrix3};
 use std::io::Write;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 16] = b"stiffmap-reduced";
 /// Raised whenever the layout or the numbers of a superelement change.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 const HEADER: usize = 16 + 8 + 8 + 32;
 
 /// Why the cache could not serve.
@@ -74,22 +74,33 @@ impl Cache {
     /// [`CacheError::Io`] if the mesh cannot be read.
     pub fn file(&self, request: &ReductionRequest) -> Result<PathBuf, CacheError> {
         let part = &request.part;
-        let mesh = std::fs::read(&part.mesh)
-            .map_err(|source| CacheError::Io { file: part.mesh.display().to_string(), source })?;
         let mut hasher = blake3::Hasher::new();
         hasher.update(&VERSION.to_le_bytes());
         let described = (
             &part.name,
             &part.material,
-            &part.clamped,
-            &part.interfaces,
-            part.mesh_units,
+            (&part.clamped, &part.supported, &part.interfaces),
+            (part.mesh_units, part.plain_bricks, part.placement),
+            part.matrices.as_ref().map(|m| {
+                let files = [&m.dofs, &m.nodes, &m.sets].map(Option::is_some);
+                (&m.stiffness_name, &m.mass_name, m.free, m.with_mesh, &m.interfaces, files)
+            }),
             request.component,
             &request.rails,
         );
         hasher.update(format!("{described:?}").as_bytes());
-        hasher.update(part.mesh.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default().as_bytes());
-        hasher.update(&mesh);
+        for file in part.files() {
+            let content =
+                std::fs::read(file).map_err(|source| CacheError::Io { file: file.display().to_string(), source })?;
+            hasher.update(file.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default().as_bytes());
+            hasher.update(&(content.len() as u64).to_le_bytes());
+            hasher.update(&content);
+            for included in included_files(&content, file) {
+                let content = std::fs::read(&included)
+                    .map_err(|source| CacheError::Io { file: included.display().to_string(), source })?;
+                hasher.update(&content);
+            }
+        }
         Ok(self.folder.join(format!("{}.superelement", &hasher.finalize().to_hex()[..32])))
     }
 
@@ -216,6 +227,7 @@ impl Writer {
             rail.nodes.iter().for_each(|x| self.numbers(x));
             self.count(rail.surface.faces.len());
             for face in &rail.surface.faces {
+                self.count(face.nodes.len());
                 face.nodes.iter().for_each(|&n| self.count(n));
                 face.coordinates.iter().for_each(|x| self.numbers(x));
             }
@@ -302,13 +314,8 @@ impl Reader<'_> {
     }
 
     fn face(&mut self) -> Option<Face> {
-        let mut face = Face { nodes: [0; 6], coordinates: [[0.0; 3]; 6] };
-        for node in &mut face.nodes {
-            *node = self.count()?;
-        }
-        for x in &mut face.coordinates {
-            *x = self.point()?;
-        }
-        Some(face)
+        let nodes = self.repeat(Self::count)?;
+        let coordinates = nodes.iter().map(|_| self.point()).collect::<Option<_>>()?;
+        Some(Face { nodes, coordinates })
     }
 }

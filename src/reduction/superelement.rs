@@ -106,6 +106,23 @@ pub struct ReducedRail {
     pub basis: DMatrix<f64>,
 }
 
+impl Superelement {
+    /// The part with its Young's modulus and density multiplied by factors, if it is of one material: its shapes
+    /// stay, its eigenvalues follow E/rho and its mass-normalised rows rho^(-1/2).
+    pub fn scaled(&self, young: f64, density: f64) -> Self {
+        let mut scaled = self.clone();
+        let row = density.sqrt().recip();
+        scaled.eigenvalues.iter_mut().for_each(|l| *l *= young / density);
+        scaled.interfaces.iter_mut().for_each(|i| i.rows *= row);
+        scaled.rails.iter_mut().for_each(|r| r.basis *= row);
+        scaled.component_frequencies.iter_mut().for_each(|f| *f *= (young / density).sqrt());
+        scaled.impulses *= density.sqrt();
+        scaled.mass *= density;
+        scaled.inertia *= density;
+        scaled
+    }
+}
+
 impl ReductionRequest {
     /// Coordinates that the reduced part has at most; `surfaces` are those of its interfaces.
     pub fn most_coordinates(&self, surfaces: &[Surface]) -> usize {
@@ -198,7 +215,13 @@ pub fn reduce(
         ReductionMethod::CraigBampton => craig_bampton::vectors,
         ReductionMethod::FreeInterface => free_interface::vectors,
     };
-    let (component_frequencies, blocks) = method(&part.name, &system, &ordering, &flexibility, &motions, modes)?;
+    // Given matrices may be a superelement already: what a reduction would not make smaller is kept whole.
+    let whole = mesh.matrices.is_some() && system.n_dof() <= modes.modes + 2 * motions.ncols();
+    let (component_frequencies, blocks) = if whole {
+        (Vec::new(), vec![flexibility.apply(&motions), DMatrix::identity(system.n_dof(), system.n_dof())])
+    } else {
+        method(&part.name, &system, &ordering, &flexibility, &motions, modes)?
+    };
     let (eigenvalues, vectors) = rayleigh_ritz(&part.name, &system, &flexibility.rigid, blocks)?;
 
     let interfaces = system
@@ -231,13 +254,14 @@ pub fn reduce(
 
 fn reduced_rail(system: &SecondOrder, interface: usize, vectors: &DMatrix<f64>) -> ReducedRail {
     let surface = &system.surfaces[interface];
-    let mut nodes: Vec<usize> = surface.faces.iter().flat_map(|f| f.nodes).collect();
+    let mut nodes: Vec<usize> = surface.faces.iter().flat_map(|f| f.nodes.iter().copied()).collect();
     nodes.sort_unstable();
     nodes.dedup();
     let mut local = surface.clone();
     for face in &mut local.faces {
-        face.nodes =
-            face.nodes.map(|n| nodes.binary_search(&n).unwrap_or_else(|_| unreachable!("nodes lists all of them")));
+        for node in &mut face.nodes {
+            *node = nodes.binary_search(node).unwrap_or_else(|_| unreachable!("nodes lists all of them"));
+        }
     }
     ReducedRail {
         interface,

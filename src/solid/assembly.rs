@@ -1,8 +1,9 @@
 //! Assembly of a part's stiffness and mass; clamped nodes and rigid surfaces are eliminated on the way.
 
-use super::numbering::{NodeMap, clamped_nodes, interface_motions, number, rigid_motions};
+use super::held::held;
+use super::numbering::{NodeMap, interface_motions, number, rigid_motions};
 use super::{InterfaceMotion, NodeRows, SolidError, Surface};
-use crate::element::tet10::{self, ElementMatrices};
+use crate::element::{ElementMatrices, matrices};
 use crate::linalg::{LinalgError, Ordering, SparseBuilder, SparseSymmetric};
 use crate::machine::Part;
 use crate::mesh::Mesh;
@@ -15,8 +16,8 @@ pub struct SecondOrder {
     pub stiffness: SparseSymmetric,
     /// Mass, kg.
     pub mass: SparseSymmetric,
-    /// Rigid motions over the unknowns, n x 6 (three translations, three rotations about the centre
-    /// of mass); no columns if the part is clamped.
+    /// Rigid motions over the unknowns: three translations, three rotations about the centre of mass; of a
+    /// part that is held somewhere the combinations that are left, none if it is clamped.
     pub rigid: DMatrix<f64>,
     /// Centre of mass, m.
     pub centre_of_mass: [f64; 3],
@@ -31,17 +32,41 @@ pub struct SecondOrder {
     /// Node coordinates, m.
     pub nodes: Vec<[f64; 3]>,
     /// Unknowns of each node: for each of its three displacements, (unknown, factor) pairs.
-    node_unknowns: Vec<NodeMap>,
+    pub(super) node_unknowns: Vec<NodeMap>,
     /// Unknowns grouped for the fill-reducing order.
-    groups: Vec<Vec<usize>>,
+    pub(super) groups: Vec<Vec<usize>>,
     /// The groups that each group touches.
-    neighbours: Vec<Vec<usize>>,
+    pub(super) neighbours: Vec<Vec<usize>>,
 }
 
 impl SecondOrder {
     /// Unknowns.
     pub fn n_dof(&self) -> usize {
         self.stiffness.n()
+    }
+
+    /// The unknowns, with factors, that a node's displacement along axis 0, 1 or 2 follows from.
+    pub fn unknowns_of(&self, node: usize, axis: usize) -> Vec<(usize, f64)> {
+        let mut out = Vec::new();
+        self.node_unknowns[node].each(|unknown, component, factor| {
+            if component == axis && factor != 0.0 {
+                out.push((unknown, factor));
+            }
+        });
+        out
+    }
+
+    /// What each unknown is: a node and its direction (0 to 2 translations, 3 to 5 rotations); `None` for
+    /// a modal coordinate or a rigid surface's motion.
+    pub fn node_of_unknown(&self) -> Vec<Option<(usize, usize)>> {
+        let mut out = vec![None; self.n_dof()];
+        for (i, map) in self.node_unknowns.iter().enumerate() {
+            if let NodeMap::Free(_) | NodeMap::Held(..) | NodeMap::Single(_) = map {
+                let (node, turn) = (i % self.nodes.len(), 3 * (i / self.nodes.len()));
+                map.each(|unknown, component, _| out[unknown] = Some((node, component + turn)));
+            }
+        }
+        out
     }
 
     /// A fill-reducing order of the unknowns.
@@ -81,31 +106,32 @@ impl SecondOrder {
 
 /// Assembles a part.
 ///
-/// Stiffness by the four-point rule, consistent mass by fifteen points. Clamped nodes are removed;
-/// the nodes of rigid interfaces follow six unknowns each.
+/// Clamped nodes and held displacements are removed; the nodes of rigid interfaces follow six unknowns
+/// each. A part given by matrices takes those.
 ///
 /// # Errors
 /// [`SolidError`] for inverted elements, missing materials, unknown sets, surfaces without a face,
-/// meshes in pieces, clamps on a line, overlapping rigid surfaces.
+/// meshes in pieces, clamps on a line, overlapping rigid surfaces; given matrices that are indefinite, in
+/// pieces, held in part, or without the rows that an interface reads.
 pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
+    if let Some(given) = &mesh.matrices {
+        return super::given::assemble(part, mesh, given);
+    }
     let name = &part.name;
     one_piece(name, mesh)?;
-    let clamped = clamped_nodes(part, mesh)?;
+    let held = held(part, mesh)?;
     let (surfaces, interfaces): (Vec<_>, Vec<_>) = interface_motions(part, mesh)?.into_iter().unzip();
-    let numbering = number(part, mesh, &clamped, &interfaces)?;
+    let numbering = number(part, mesh, &held, &interfaces)?;
 
-    let elements: Vec<_> = mesh
+    let elements: Vec<ElementMatrices> = mesh
         .cells
         .par_iter()
         .map(|cell| {
             let material = part.material.as_ref().or_else(|| cell.material.map(|m| &mesh.materials[m]));
             let material =
                 material.ok_or_else(|| SolidError::NoMaterial { part: name.clone(), element: cell.label })?;
-            let mut x = [[0.0; 3]; tet10::NODES];
-            for (x, &node) in x.iter_mut().zip(&cell.nodes) {
-                *x = mesh.nodes[node];
-            }
-            tet10::matrices(&x, material.young, material.poisson, material.density).map_err(|determinant| {
+            let x: Vec<[f64; 3]> = cell.nodes.iter().map(|&node| mesh.nodes[node]).collect();
+            matrices(cell.kind, &x, material.young, material.poisson, material.density).map_err(|determinant| {
                 SolidError::InvertedElement { part: name.clone(), element: cell.label, determinant }
             })
         })
@@ -116,7 +142,7 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
     for (cell, matrices) in mesh.cells.iter().zip(&elements) {
         for (a, &na) in cell.nodes.iter().enumerate() {
             for (b, &nb) in cell.nodes.iter().enumerate() {
-                let (k, m) = (&matrices.stiffness[a][b], matrices.mass[a][b]);
+                let (k, m) = (matrices.stiffness(a, b), matrices.mass(a, b));
                 numbering.nodes[na].each(|i, ci, fi| {
                     numbering.nodes[nb].each(|j, cj, fj| {
                         stiffness.add(i, j, fi * fj * k[ci][cj]);
@@ -129,11 +155,8 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
         }
     }
     let body = Body::of(mesh, &elements);
-    let rigid = if clamped.is_empty() {
-        rigid_motions(mesh, part, &interfaces, &numbering, body.centre)
-    } else {
-        DMatrix::zeros(numbering.n_dof, 0)
-    };
+    let all = rigid_motions(mesh, part, &interfaces, &numbering, body.centre);
+    let rigid = if held.is_empty() { all } else { all * held.free_motions(mesh, body.centre) };
     let neighbours = group_neighbours(&numbering.groups, &pattern);
     Ok(SecondOrder {
         stiffness: stiffness.finish(),
@@ -185,7 +208,7 @@ fn pattern(mesh: &Mesh, nodes: &[NodeMap], n_dof: usize) -> Vec<Vec<usize>> {
 }
 
 /// The groups that each group of unknowns touches, without itself.
-fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<usize>> {
+pub(super) fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let mut group_of = vec![0; pattern.len()];
     for (g, unknowns) in groups.iter().enumerate() {
         for &u in unknowns {
@@ -193,7 +216,8 @@ fn group_neighbours(groups: &[Vec<usize>], pattern: &[Vec<usize>]) -> Vec<Vec<us
         }
     }
     let touched = |(g, unknowns): (usize, &Vec<usize>)| {
-        let mut touched: Vec<usize> = pattern[unknowns[0]].iter().map(|&u| group_of[u]).filter(|&h| h != g).collect();
+        let columns = unknowns.iter().flat_map(|&u| &pattern[u]);
+        let mut touched: Vec<usize> = columns.map(|&u| group_of[u]).filter(|&h| h != g).collect();
         touched.sort_unstable();
         touched.dedup();
         touched
@@ -239,13 +263,13 @@ struct Body {
 }
 
 impl Body {
-    fn of(mesh: &Mesh, elements: &[Box<ElementMatrices>]) -> Self {
+    fn of(mesh: &Mesh, elements: &[ElementMatrices]) -> Self {
         let (mut mass, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
         for (cell, matrices) in mesh.cells.iter().zip(elements) {
             for (a, &na) in cell.nodes.iter().enumerate() {
                 let x = Vector3::from(mesh.nodes[na]);
                 for (b, &nb) in cell.nodes.iter().enumerate() {
-                    let m = matrices.mass[a][b];
+                    let m = matrices.mass(a, b);
                     mass += m;
                     first += m * x;
                     second += m * x * Vector3::from(mesh.nodes[nb]).transpose();

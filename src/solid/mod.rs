@@ -2,13 +2,17 @@
 //! the rigid motions of its interfaces as rows over the nodes.
 
 mod assembly;
+mod definite;
+mod given;
+mod held;
 mod interface;
 mod numbering;
 mod surface;
 
 pub use assembly::{SecondOrder, assemble};
+pub use held::held_displacements;
 pub use interface::{InterfaceMotion, NodeRows, rotation_arm};
-pub use numbering::interface_motions;
+pub use numbering::{interface_motions, rigid_nodes};
 pub use surface::{Face, Surface};
 
 /// Why a part could not be assembled.
@@ -72,6 +76,16 @@ pub enum SolidError {
         /// Label of an element outside the first piece.
         element: u64,
     },
+    /// A node set that holds displacements names no node of the mesh.
+    #[error(
+        "part \"{part}\": the set \"{set}\" under `supported` holds no node of an element; correct the name or remove it"
+    )]
+    EmptySupport {
+        /// Part.
+        part: String,
+        /// Set.
+        set: String,
+    },
     /// The clamped nodes leave the part free to turn.
     #[error("part \"{part}\": its clamped nodes lie on one line, so it can still turn; clamp a surface")]
     ClampOnLine {
@@ -91,5 +105,69 @@ pub enum SolidError {
         node: u64,
         /// What else holds the node.
         other: String,
+    },
+    /// Given matrices fall into pieces.
+    #[error(
+        "part \"{part}\": its matrices fall into {pieces} pieces that share no entry; a part is one body ({place} is not connected to the first)"
+    )]
+    MatrixPieces {
+        /// Part.
+        part: String,
+        /// Number of pieces.
+        pieces: usize,
+        /// A row outside the first piece.
+        place: String,
+    },
+    /// A given matrix is not positive semidefinite.
+    #[error(
+        "part \"{part}\": the {what} matrix is indefinite at {place}: {reason}; allowed: no eigenvalue below -{tolerance:.0e} of the diagonal; check the file, its units and its table of degrees of freedom"
+    )]
+    NotSemidefinite {
+        /// Part.
+        part: String,
+        /// Stiffness or mass.
+        what: &'static str,
+        /// Row and its label.
+        place: String,
+        /// What was found.
+        reason: String,
+        /// Share of the diagonal that is taken for rounding.
+        tolerance: f64,
+    },
+    /// Given matrices hold the part in some directions only.
+    #[error(
+        "part \"{part}\": {file} leaves {free} of the six rigid motions free and holds the others; clamp the part, or give matrices of the free part"
+    )]
+    PartlyFree {
+        /// Part.
+        part: String,
+        /// Stiffness file.
+        file: String,
+        /// Motions left free.
+        free: usize,
+    },
+    /// Given matrices are neither free nor held.
+    #[error(
+        "part \"{part}\": in {file} a rigid motion leaves forces of {residual:.1e} of their rows, where a free part leaves less than {free:.0e} and a held one more than {held:.0e}; write more digits, or say free = true or free = false in `matrices`"
+    )]
+    DoubtfullyFree {
+        /// Part.
+        part: String,
+        /// Stiffness file.
+        file: String,
+        /// Largest relative force.
+        residual: f64,
+        /// Largest of a free part.
+        free: f64,
+        /// Smallest of a held part.
+        held: f64,
+    },
+    /// Given matrices cannot be factored.
+    #[error("part \"{part}\": {source}")]
+    Ordering {
+        /// Part.
+        part: String,
+        /// What failed.
+        source: crate::linalg::LinalgError,
     },
 }

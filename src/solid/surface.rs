@@ -1,17 +1,30 @@
 //! Surfaces of a part: element faces whose nodes all lie in a set, whole or clipped.
 
-use crate::element::{quadrature::tri_degree_5, tet10, tri6};
+use crate::element::{face, faces, quadrature::tri_degree_5};
 use crate::machine::Region;
-use crate::mesh::Mesh;
+use crate::mesh::{CellFace, Mesh};
 use std::collections::HashMap;
 
-/// A face of one element, as a six-node triangle.
+/// A face of one element: a triangle of three or six nodes, a quadrilateral of four or eight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Face {
-    /// Indices of its nodes: three corners, then the midsides 12, 23, 31.
-    pub nodes: [usize; tri6::NODES],
+    /// Indices of its nodes: the corners, then the midsides 12, 23, ..
+    pub nodes: Vec<usize>,
     /// Their coordinates, m.
-    pub coordinates: [[f64; 3]; tri6::NODES],
+    pub coordinates: Vec<[f64; 3]>,
+}
+
+impl Face {
+    fn of_cell(mesh: &Mesh, cell: usize, local: &[usize]) -> Self {
+        let nodes: Vec<usize> = local.iter().map(|&i| mesh.cells[cell].nodes[i]).collect();
+        let coordinates = nodes.iter().map(|&n| mesh.nodes[n]).collect();
+        Self { nodes, coordinates }
+    }
+
+    /// Coordinates of the corners, m.
+    pub fn corners(&self) -> &[[f64; 3]] {
+        &self.coordinates[..face::corner_count(self.nodes.len())]
+    }
 }
 
 /// A half-space of points with normal . x <= bound.
@@ -35,32 +48,38 @@ impl Surface {
         for &node in set {
             inside[node] = true;
         }
-        let mut faces: HashMap<[usize; 3], (usize, Face)> = HashMap::new();
+        let mut found: HashMap<Vec<usize>, (usize, Face)> = HashMap::new();
         let mut order = Vec::new();
-        for cell in &mesh.cells {
-            for local in tet10::FACES {
-                let nodes = local.map(|i| cell.nodes[i]);
-                if !nodes[..3].iter().all(|&n| inside[n]) {
+        for (c, cell) in mesh.cells.iter().enumerate() {
+            for local in faces(cell.kind) {
+                let corners = &local[..face::corner_count(local.len())];
+                if !corners.iter().all(|&i| inside[cell.nodes[i]]) {
                     continue;
                 }
-                let mut key = [nodes[0], nodes[1], nodes[2]];
+                let mut key: Vec<usize> = corners.iter().map(|&i| cell.nodes[i]).collect();
                 key.sort_unstable();
-                let entry = faces.entry(key).or_insert_with(|| {
+                let entry = found.entry(key.clone()).or_insert_with(|| {
                     order.push(key);
-                    (0, Face { nodes, coordinates: nodes.map(|n| mesh.nodes[n]) })
+                    (0, Face::of_cell(mesh, c, local))
                 });
                 entry.0 += 1;
             }
         }
         let mut kept = Vec::new();
         for key in order {
-            if let Some((1, face)) = faces.remove(&key)
+            if let Some((1, face)) = found.remove(&key)
                 && face.nodes.iter().all(|&n| inside[n])
             {
                 kept.push(face);
             }
         }
         Self { faces: kept }
+    }
+
+    /// The given element faces.
+    pub fn of_cell_faces(mesh: &Mesh, listed: &[CellFace]) -> Self {
+        let one = |at: &CellFace| Face::of_cell(mesh, at.cell, faces(mesh.cells[at.cell].kind)[at.face]);
+        Self { faces: listed.iter().map(one).collect() }
     }
 
     /// Integrals w_i of the shape functions over the part of the surface inside a region, by node
@@ -94,7 +113,7 @@ impl Surface {
 
     /// Range of direction . x over the corners of the faces, m.
     pub fn extent(&self, direction: [f64; 3]) -> (f64, f64) {
-        let corners = self.faces.iter().flat_map(|f| &f.coordinates[..3]).map(|x| dot(&direction, x));
+        let corners = self.faces.iter().flat_map(|f| f.corners()).map(|x| dot(&direction, x));
         corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), s| (lo.min(s), hi.max(s)))
     }
 
@@ -111,19 +130,23 @@ impl Surface {
     }
 }
 
-/// Integrals of the six shape functions over the part of a face inside all half-spaces, m^2.
-fn face_weights(face: &Face, cuts: &[HalfSpace]) -> Option<[f64; tri6::NODES]> {
-    let mut polygon = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+/// Integrals of a face's shape functions over its part inside all half-spaces, m^2.
+fn face_weights(of: &Face, cuts: &[HalfSpace]) -> Option<[f64; face::MAX_NODES]> {
+    let (n, corners) = (of.nodes.len(), of.corners());
+    let mut polygon = face::corners(n).to_vec();
     for cut in cuts {
-        // Linear between the corners: s(r, s) <= 0 is inside.
-        let at = [0, 1, 2].map(|c| dot(&cut.normal, &face.coordinates[c]) - cut.bound);
-        let value = |p: [f64; 2]| at[0] * (1.0 - p[0] - p[1]) + at[1] * p[0] + at[2] * p[1];
+        // Linear (on a quadrilateral bilinear) between the corners: s(r, s) <= 0 is inside.
+        let mut at = [0.0; 4];
+        for (at, x) in at.iter_mut().zip(corners) {
+            *at = dot(&cut.normal, x) - cut.bound;
+        }
+        let value = |p: [f64; 2]| face::shape(corners.len(), p).0.iter().zip(at).map(|(n, at)| n * at).sum::<f64>();
         polygon = clip(&polygon, value);
         if polygon.len() < 3 {
             return None;
         }
     }
-    let mut weights = [0.0; tri6::NODES];
+    let mut weights = [0.0; face::MAX_NODES];
     for k in 1..polygon.len() - 1 {
         let [a, b, c] = [polygon[0], polygon[k], polygon[k + 1]];
         let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
@@ -131,8 +154,8 @@ fn face_weights(face: &Face, cuts: &[HalfSpace]) -> Option<[f64; tri6::NODES]> {
         for point in tri_degree_5() {
             let [r, s] = point.at;
             let at = [a[0] + r * u[0] + s * v[0], a[1] + r * u[1] + s * v[1]];
-            let w = point.weight * twice_area * tri6::area_element(&face.coordinates, at);
-            for (weight, n) in weights.iter_mut().zip(tri6::shape(at)) {
+            let w = point.weight * twice_area * face::area_element(&of.coordinates, at);
+            for (weight, n) in weights.iter_mut().zip(face::shape(n, at).0) {
                 *weight += w * n;
             }
         }

@@ -178,6 +178,7 @@ impl Database {
             outputs,
             inputs,
             direct,
+            direct_loss_factor: 0.0,
         };
         Ok(state_space(&modes, self.options))
     }

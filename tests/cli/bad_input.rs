@@ -190,7 +190,7 @@ fn text_that_is_no_toml() {
 fn command_line_values_that_cannot_be() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let cases: [(&[&str], &[&str]); 15] = [
+    let cases: [(&[&str], &[&str]); 23] = [
         (&["--position", "-0.7"], &["--positions", "-0.7 m", "outside the travel", "-0.6 m"]),
         (&["--position", "0.1"], &["--positions", "0.1 m", "outside the travel"]),
         (&["--positions", "0,-0.3,0"], &["--positions", "given twice"]),
@@ -203,6 +203,14 @@ fn command_line_values_that_cannot_be() {
         (&["--frequencies", "-5:10:5"], &["--frequencies", "-5 Hz", "negative"]),
         (&["--frequencies", "10,5"], &["--frequencies", "5 Hz follows 10 Hz", "ascend"]),
         (&["--frequencies", "0:1e9:0.001"], &["--frequencies", "at most"]),
+        (&["--frequencies", "log:1:900:5"], &["--frequencies", "\"log\" is no grid", "logarithmic:1:900:500"]),
+        (&["--frequencies", "logarithmic:0:900:5"], &["--frequencies", "from 0 to 900 Hz", "0 < from < to"]),
+        (&["--frequencies", "logarithmic:1:900"], &["--frequencies", "has 2 of the three numbers"]),
+        (&["--frequencies", "logarithmic:1:900:1.5"], &["--frequencies", "count is 1.5", "whole number from 2"]),
+        (&["--frequencies", "clustered:900:0"], &["--frequencies", "from 900 to 0 Hz", "0 <= from < to"]),
+        (&["--frequencies", "clustered:0:900:0"], &["--frequencies", "frequencies a mode is 0", "from 1 to 1000"]),
+        (&["--quantity", "stiffness"], &["--quantity", "\"stiffness\"", "receptance, mobility, accelerance"]),
+        (&["--map-memory", "large"], &["--map-memory", "\"large\" is no size", "512MB"]),
         (&["--damping", "-0.02"], &["--damping", "-0.02"]),
         (&["--modes", "0"], &["--modes", "0 is not allowed"]),
         (&["--backend", "tpu"], &["--backend", "tpu", "auto", "cpu", "gpu"]),
@@ -223,4 +231,15 @@ fn an_unknown_subcommand_or_flag() {
         let run = stiffmap(folder.path()).args(arguments).output().unwrap();
         assert_refused(&run, &out, words);
     }
+}
+
+#[test]
+fn more_positions_than_a_state_space_file_holds() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_into(warm_cache(), out.path(), &["--positions", "0:-0.6:0.000005"]);
+    let said = stderr(&run);
+    assert_eq!(run.status.code(), Some(2), "{said}");
+    assert!(said.contains("120001 positions of 30 modes") && said.contains("state_space.mat"), "{said}");
+    assert!(!said.contains("modes   "), "before the long computation: {said}");
+    assert!(files_below(out.path()).is_empty());
 }

@@ -6,6 +6,7 @@ mod main_job;
 mod other_commands;
 mod overrides;
 mod readme;
+mod streaming;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -27,6 +27,79 @@ fn a_range_includes_its_end() {
 }
 
 #[test]
+fn quantities_reach_the_files_under_their_own_names() {
+    let frequencies = "10,40.5,300";
+    let columns = [
+        ("receptance", "magnitude_m_per_N", "m/N", "smallest_dynamic_stiffness"),
+        ("mobility", "magnitude_m_per_s_N", "m/(s N)", "largest_mobility"),
+        ("accelerance", "magnitude_m_per_s2_N", "m/(s^2 N)", "largest_accelerance"),
+    ];
+    let mut before: Option<Vec<f64>> = None;
+    for (quantity, header, unit, extreme) in columns {
+        let out = tempfile::tempdir().unwrap();
+        let record = quick(out.path(), &["--position", "0", "--frequencies", frequencies, "--quantity", quantity]);
+        assert_eq!((&record["settings"]["quantity"], &record["settings"]["unit"]), (&quantity.into(), &unit.into()));
+        assert_eq!(record["settings"][extreme].as_array().unwrap().len(), 3);
+        assert_eq!(record["settings"]["most_negative_real_part"].as_array().unwrap().len(), 3);
+        let magnitudes = column(&out.path().join("surface_xx.csv"), header);
+        if let Some(before) = before {
+            for ((now, before), f) in magnitudes.iter().zip(before).zip([10.0, 40.5, 300.0]) {
+                assert!((now / (before * std::f64::consts::TAU * f) - 1.0).abs() < 1e-8, "{quantity} at {f} Hz");
+            }
+        }
+        before = Some(magnitudes);
+        // The variable of the MAT-file has the quantity's name.
+        let mat = std::fs::read(out.path().join("compliance.mat")).unwrap();
+        assert!(mat.windows(quantity.len()).any(|w| w == quantity.as_bytes()), "{quantity}");
+    }
+}
+
+#[test]
+fn grids_are_laid_as_their_names_say() {
+    let out = tempfile::tempdir().unwrap();
+    let grid = |text: &str| {
+        let record = quick(out.path(), &["--position", "0", "--frequencies", text]);
+        let frequencies = column(&out.path().join("surface_xx.csv"), "frequency_hz");
+        assert_eq!(record["counts"]["frequencies"], frequencies.len());
+        (record["settings"]["frequency_grid"].as_str().unwrap().to_owned(), frequencies)
+    };
+    let (name, found) = grid("logarithmic:1:100:3");
+    assert_eq!((name.as_str(), found[0], found[2], found.len()), ("logarithmic", 1.0, 100.0, 3));
+    assert!((found[1] - 10.0).abs() < 1e-12);
+    assert_eq!(grid("uniform:5:10:5"), ("uniform".into(), vec![5.0, 10.0]));
+    assert_eq!(grid("5,7").0, "listed");
+    // Modes at 40.6 and 42.5 Hz, and background at 30, 35, .. 60 Hz.
+    let (name, found) = grid("clustered:30:60:13:7");
+    assert_eq!((name.as_str(), found[0], *found.last().unwrap()), ("clustered", 30.0, 60.0));
+    assert!((20..60).contains(&found.len()), "{found:?}");
+    let near = found.iter().filter(|f| (39.8..43.4).contains(*f)).count();
+    assert!(near > 13, "{near} of {}", found.len());
+}
+
+#[test]
+fn the_machine_file_names_grid_and_quantity() {
+    let (mill, out) = (Mill::new(), tempfile::tempdir().unwrap());
+    mill.replace(
+        "machine.toml",
+        "frequencies = { from = \"0 Hz\", to = \"900 Hz\", step = \"1 Hz\" }",
+        "frequencies = { grid = \"clustered\", from = \"20 Hz\", to = \"60 Hz\", background = 5 }",
+    );
+    mill.replace("machine.toml", "quantity = \"receptance\"", "quantity = \"mobility\"");
+    let mut run = stiffmap(warm_cache());
+    run.arg("run").arg(mill.0.path()).args(["--no-figures", "--positions", "0,-0.6", "--out"]).arg(out.path());
+    let run = run.output().unwrap();
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert!(stderr(&run).contains("largest mobility |H|"), "{}", stderr(&run));
+    let settings = &manifest(out.path())["settings"];
+    assert_eq!((&settings["frequency_grid"], &settings["quantity"]), (&"clustered".into(), &"mobility".into()));
+    let frequencies = column(&out.path().join("surface_yy.csv"), "frequency_hz");
+    assert_eq!((frequencies[0], frequencies[frequencies.len() - 1]), (20.0, 60.0));
+    assert!(column(&out.path().join("surface_yy.csv"), "magnitude_m_per_s_N").iter().all(|h| *h > 0.0));
+    let check = stiffmap(warm_cache()).arg("check").arg(mill.0.path()).output().unwrap();
+    assert!(stdout(&check).contains("mobility from 20 to 60 Hz (clustered grid, 13 frequencies a mode on 5)"));
+}
+
+#[test]
 fn damping_takes_the_place_of_the_files() {
     let (little, usual) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     quick(little.path(), &["--position", "0", "--damping", "0.01", "--frequencies", "30:50:0.05"]);

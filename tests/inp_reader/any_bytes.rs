@@ -49,6 +49,16 @@ const WORDS: &[&str] = &[
     "*ELASTIC",
     "*DENSITY",
     "*SOLID SECTION, ELSET=A, MATERIAL=M",
+    "*ELEMENT, TYPE=C3D8, ELSET=B",
+    "*ELEMENT, TYPE=CPS6, ELSET=C",
+    "*SURFACE, NAME=S",
+    "*SURFACE, NAME=S, TYPE=NODE",
+    "*BOUNDARY",
+    "*FREQUENCY",
+    "*INCLUDE, INPUT=none",
+    "*NSET, NSET=B, ELSET=EALL",
+    "EALL, S1",
+    "7, S9",
     "*STEP",
     "*END STEP",
     "*HEADING",
@@ -71,6 +81,9 @@ const WORDS: &[&str] = &[
 ];
 
 fn check(bytes: &[u8]) {
+    if let Ok(deck) = stiffmap::mesh::inp::parse_deck(bytes, Path::new("tet.inp"), false, None) {
+        assert!(deck.frequency.modes > 0 && deck.frequency.from < deck.frequency.to);
+    }
     let Ok(MeshFile { mesh, .. }) = parse_inp(bytes, Path::new("tet.inp"), SI) else {
         return;
     };
@@ -81,6 +94,10 @@ fn check(bytes: &[u8]) {
         assert_eq!(cell.nodes.len(), cell.kind.node_count());
         assert!(cell.nodes.iter().all(|&node| node < mesh.nodes.len()));
         assert!(cell.material.is_none_or(|material| material < mesh.materials.len()));
+    }
+    assert!(mesh.supports.keys().all(|&node| node < mesh.nodes.len()));
+    for face in mesh.surfaces.values().flatten() {
+        assert!(face.cell < mesh.cells.len() && face.face < mesh.cells[face.cell].kind.face_count());
     }
     for (sets, count) in [(&mesh.node_sets, mesh.nodes.len()), (&mesh.element_sets, mesh.cells.len())] {
         for set in sets.values() {

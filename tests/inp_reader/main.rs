@@ -1,4 +1,4 @@
-//! The reader of `.inp` files: what is read, and what is refused with which words.
+//! The readers of `.inp` and `.msh` files: what is read, and what is refused with which words.
 
 use std::path::Path;
 use stiffmap::machine::MeshUnits;
@@ -6,6 +6,8 @@ use stiffmap::mesh::MeshFile;
 use stiffmap::mesh::inp::parse_inp;
 
 mod any_bytes;
+mod broad;
+mod msh;
 mod reading;
 mod refusals;
 

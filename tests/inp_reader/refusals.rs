@@ -6,17 +6,17 @@ use stiffmap::mesh::read_mesh;
 #[test]
 fn keywords_that_would_change_the_result_are_refused_with_what_to_do() {
     for (keyword, advice) in [
-        ("*BOUNDARY", "clamped"),
         ("*MPC", "joints in the machine file"),
         ("*EQUATION", "joints in the machine file"),
         ("*TIE, NAME=T", "joints in the machine file"),
         ("*TRANSFORM, NSET=BASE", "global Cartesian"),
         ("*ORIENTATION, NAME=O", "isotropic"),
-        ("*INCLUDE, INPUT=more.inp", "in its place"),
         ("*PART, NAME=P", "flat input file"),
         ("*INSTANCE, NAME=P", "flat input file"),
         ("*PLASTIC", "*ELASTIC and *DENSITY"),
-        ("*SHELL SECTION", "remove it if it does not matter"),
+        ("*SHELL SECTION", "solid elements"),
+        ("*RIGID BODY", "joints in the machine file"),
+        ("*CYCLIC SYMMETRY MODEL", "whole body"),
         ("*NONSENSE", "remove it if it does not matter"),
     ] {
         let spelling = keyword.split(',').next().unwrap();
@@ -26,7 +26,7 @@ fn keywords_that_would_change_the_result_are_refused_with_what_to_do() {
 
 #[test]
 fn parameters_and_types_that_are_not_supported_are_refused() {
-    refused_change("TYPE=C3D10", "TYPE=C3D4", &["tet.inp:15: *ELEMENT", "\"C3D4\"", "TYPE=C3D10"]);
+    refused_change("TYPE=C3D10", "TYPE=C3D10M", &["tet.inp:15: *ELEMENT", "\"C3D10M\"", "C3D20R"]);
     refused_change("TYPE=C3D10, ", "", &["TYPE is missing"]);
     refused_change("*NODE, NSET=Nall", "*NODE, SYSTEM=C", &["tet.inp:4: *NODE", "SYSTEM", "NSET"]);
     refused_change("*ELASTIC", "*ELASTIC, TYPE=ORTHO", &["tet.inp:21: *ELASTIC: TYPE=ORTHO", "TYPE=ISO"]);

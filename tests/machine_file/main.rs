@@ -5,6 +5,7 @@ use tempfile::TempDir;
 
 mod contact;
 mod names;
+mod placement;
 mod quantities;
 mod reading;
 mod refusals;

@@ -60,7 +60,7 @@ fn materials_outside_physics_are_refused() {
     refused(&material("0", "0.3", "7850"), &["young: found 0", "positive"]);
     refused_change(
         "mesh = \"head.inp\"",
-        "mesh = \"head.inp\"\nunits = \"mm-kg-s\"",
+        "mesh = \"head.inp\"\nunits = \"mm-kp-s\"",
         &["parts.head.units", "\"mm-t-s\""],
     );
     refused_change(

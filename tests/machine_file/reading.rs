@@ -32,7 +32,10 @@ fn the_small_machine_is_read_in_si_with_names_resolved() {
         guide.springs.iter().map(|s| (s.label.as_str(), s.direction, constant(s), s.damping)).collect();
     assert_eq!(springs, [("x", [1.0, 0.0, 0.0], 77e6, 100.0), ("y", [0.0, 1.0, 0.0], 77e6, 0.0)]);
     assert_eq!(screw.between, [side(0, 1), side(1, 1)]);
-    assert_eq!(screw.springs[0].stiffness, SpringStiffness::BallScrew { young: 210e9, diameter: 0.04 });
+    assert_eq!(
+        screw.springs[0].stiffness,
+        SpringStiffness::BallScrew { young: 210e9, diameter: 0.04, free_length: None, support: ScrewSupport::OneEnd }
+    );
     let tip = &machine.parts[1].interfaces[2];
     let region = tip.within.unwrap();
     assert_eq!((region.min[2], region.max[2]), (0.01, 0.03));
@@ -190,4 +193,40 @@ fn the_other_forms_of_region_frequencies_and_damping_are_read() {
     assert_eq!((component.modes, component.band, component.second_moment), (40, 1400.0, false));
     assert_eq!(component.method, ReductionMethod::FreeInterface);
     assert_eq!(accepted("step = \"5 mm\"", "step = \"1 m\"").axis.stations(), [0.0, -0.1]);
+}
+
+#[test]
+fn grids_and_quantities_are_read() {
+    let table = "{ from = \"0 Hz\", to = \"10 Hz\", step = \"1 Hz\" }";
+    let machine = accepted(table, "{ grid = \"uniform\", from = 0, to = 10, step = 5 }");
+    assert_eq!((machine.analysis.grid, &machine.analysis.frequencies[..]), (Grid::Uniform, &[0.0, 5.0, 10.0][..]));
+    let machine = accepted(table, "{ grid = \"logarithmic\", from = \"1 Hz\", to = \"0.1 kHz\", count = 3 }");
+    let found = &machine.analysis.frequencies;
+    assert_eq!((machine.analysis.grid, found.len(), found[0], found[2]), (Grid::Logarithmic, 3, 1.0, 100.0));
+    assert!((found[1] - 10.0).abs() < 1e-12);
+    let machine = accepted(table, "{ grid = \"clustered\", from = 0, to = 100 }");
+    assert_eq!((machine.analysis.grid, machine.analysis.frequencies.len()), (Grid::Clustered { points: 13 }, 101));
+    let machine = accepted(table, "{ grid = \"clustered\", from = 0, to = 1, points = 7, background = 3 }");
+    let analysis = &machine.analysis;
+    assert_eq!((analysis.grid, &analysis.frequencies[..]), (Grid::Clustered { points: 7 }, &[0.0, 0.5, 1.0][..]));
+    assert_eq!(accepted(table, "[1, 2]").analysis.grid, Grid::Listed);
+    assert_eq!(machine.analysis.quantity, Quantity::Receptance);
+    let machine = accepted("damping = { ratio = 0.02 }", "damping = { ratio = 0.02 }\nquantity = \"accelerance\"");
+    assert_eq!(machine.analysis.quantity, Quantity::Accelerance);
+}
+
+#[test]
+fn a_ball_screws_free_length_and_second_support_are_read() {
+    let screw = |machine: Machine| machine.joints[1].springs[0].stiffness;
+    let read = screw(accepted("diameter = \"40 mm\"", "diameter = \"40 mm\"\nfree_length = \"350 mm\""));
+    let expected =
+        |free_length, support| SpringStiffness::BallScrew { young: 210e9, diameter: 0.04, free_length, support };
+    assert_eq!(read, expected(Some(0.35), ScrewSupport::OneEnd));
+    let both = "diameter = \"40 mm\"\nsupport = \"both-ends\"\nspan = \"1.2 m\"";
+    let read = screw(accepted("diameter = \"40 mm\"", both));
+    assert_eq!(read, expected(None, ScrewSupport::BothEnds { span: 1.2 }));
+    assert_eq!(
+        screw(accepted("diameter = \"40 mm\"", "diameter = \"40 mm\"\nsupport = \"one-end\"")),
+        expected(None, ScrewSupport::OneEnd)
+    );
 }

@@ -147,3 +147,37 @@ fn damping_outside_its_range_is_refused() {
     refused_change("ratio = 0.02", "rayleigh = { alpha = -1, beta = 0 }", &["rayleigh.alpha: found -1"]);
     refused_change("ratio = 0.02", "rayleigh = { alpha = 1 }", &["`beta` is missing"]);
 }
+
+#[test]
+fn grids_and_quantities_that_make_no_sense_are_refused() {
+    let table = "{ from = \"0 Hz\", to = \"10 Hz\", step = \"1 Hz\" }";
+    for (text, fragments) in [
+        ("{ grid = \"log\", from = 1, to = 2 }", &["frequencies.grid: found \"log\"", "\"logarithmic\""][..]),
+        ("{ grid = \"logarithmic\", from = 0, to = 2, count = 5 }", &["frequencies.from: found 0", "positive"]),
+        ("{ grid = \"logarithmic\", from = 2, to = 2, count = 5 }", &["frequencies.to: found 2", "more than `from`"]),
+        ("{ grid = \"logarithmic\", from = 1, to = 2, count = 1 }", &["frequencies.count: found 1", "from 2 to"]),
+        ("{ grid = \"logarithmic\", from = 1, to = 2 }", &["`count` is missing", "count = 500"]),
+        ("{ grid = \"logarithmic\", from = 1, to = 2, count = 5, step = 1 }", &["unknown key `step`", "count"]),
+        ("{ grid = \"clustered\", from = 3, to = 2 }", &["frequencies.to: found 2", "exchange"]),
+        ("{ grid = \"clustered\", from = 0, to = 2, points = 2000 }", &["frequencies.points: found 2000", "1 to 1000"]),
+        ("{ grid = \"clustered\", from = 0, to = 2, background = 1 }", &["background: found 1", "from 2 to"]),
+    ] {
+        refused_change(table, text, fragments);
+    }
+    let damping = "damping = { ratio = 0.02 }";
+    refused_change(
+        damping,
+        "damping = { ratio = 0.02 }\nquantity = \"stiffness\"",
+        &["analysis.quantity: found \"stiffness\"", "\"receptance\", \"mobility\" or \"accelerance\""],
+    );
+}
+
+#[test]
+fn supports_of_a_ball_screw_that_do_not_fit_are_refused() {
+    let with = |keys: &str| format!("diameter = \"40 mm\"\n{keys}");
+    let diameter = "diameter = \"40 mm\"";
+    refused_change(diameter, &with("support = \"both\""), &["\"screw\".support: found \"both\"", "\"both-ends\""]);
+    refused_change(diameter, &with("support = \"both-ends\""), &["the key `span` is missing"]);
+    refused_change(diameter, &with("span = \"1 m\""), &["\"screw\".span: found \"1 m\"", "add support"]);
+    refused_change(diameter, &with("free_length = 0"), &["\"screw\".free_length: found 0", "positive"]);
+}

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub mod device;
+pub mod springs;
 
 use nalgebra::{Complex, DMatrix};
 use stiffmap::frf::{ComplianceMap, FrfRequest, ModalSystem, Quantity};

@@ -2,12 +2,13 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub mod dense;
+pub mod grids;
 pub mod slide;
 pub mod tets;
 
 use std::path::PathBuf;
 use stiffmap::machine::{
-    ComponentAnalysis, Interface, Material, MeshUnits, Part, ReductionMethod, Region, SurfaceCoupling,
+    ComponentAnalysis, Interface, Material, MeshUnits, Part, Placement, ReductionMethod, Region, SurfaceCoupling,
 };
 use stiffmap::mesh::{Cell, CellKind, Mesh};
 use stiffmap::reduction::{ReductionRequest, Superelement, reduce};
@@ -97,6 +98,10 @@ pub fn part(name: &str, clamped: &[&str], interfaces: Vec<Interface>) -> Part {
         interfaces,
         loss_factor: None,
         mesh_units: MeshUnits::METRE_KILOGRAM_SECOND,
+        matrices: None,
+        supported: Vec::new(),
+        plain_bricks: false,
+        placement: Placement::IDENTITY,
     }
 }
 

@@ -102,6 +102,8 @@ pub fn fixed_machine(parts: Vec<Part>, joints: Vec<Joint>, port: InterfaceRef) -
             component: craig_bampton(20),
             modes: 10,
             frequencies: vec![0.0, 100.0],
+            grid: Grid::Listed,
+            quantity: Quantity::Receptance,
             damping: ratio(0.02),
         },
     }
@@ -146,7 +148,8 @@ pub fn machine(clamped: bool) -> (Machine, Vec<Mesh>) {
         )
     };
     let mut thread = spring(Motion::Translation, 2, 0.0);
-    thread.stiffness = SpringStiffness::BallScrew { young: 210e9, diameter: 0.016 };
+    thread.stiffness =
+        SpringStiffness::BallScrew { young: 210e9, diameter: 0.016, free_length: None, support: ScrewSupport::OneEnd };
     let screw = Joint { kind: JointKind::BallScrew, ..springs("screw", [side(0, 1), side(1, 1)], vec![thread]) };
     let mut machine = fixed_machine(parts, vec![guide, screw], side(1, 2));
     machine.axis.travel = TRAVEL;

@@ -1,14 +1,14 @@
 //! Lines, keywords and values of an input file.
 
+use super::source::Source;
 use crate::mesh::{MeshError, Spot};
-use std::path::Path;
 
 type Result<T> = std::result::Result<T, MeshError>;
 
-/// The lines of a file without comments and empty lines, with one line of look-ahead.
+/// The lines of a text without comments and empty lines, with one line of look-ahead.
 pub struct Lines<'a> {
-    pub file: &'a Path,
-    rest: std::str::Lines<'a>,
+    source: &'a Source,
+    rest: Box<dyn Iterator<Item = (usize, &'a str)> + 'a>,
     number: usize,
     ahead: Option<(usize, &'a str)>,
 }
@@ -25,20 +25,19 @@ pub struct Keyword<'a> {
 }
 
 impl<'a> Lines<'a> {
-    pub fn new(text: &'a str, file: &'a Path) -> Self {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut lines = Lines { file, rest: text.lines(), number: 0, ahead: None };
+    pub fn new(source: &'a Source) -> Self {
+        let mut lines = Lines { source, rest: Box::new(source.lines()), number: 0, ahead: None };
         lines.advance();
         lines
     }
 
     fn advance(&mut self) {
         self.ahead = None;
-        for line in self.rest.by_ref() {
-            self.number += 1;
+        for (number, line) in self.rest.by_ref() {
+            self.number = number;
             let line = line.trim();
             if !line.is_empty() && !line.starts_with("**") {
-                self.ahead = Some((self.number, line));
+                self.ahead = Some((number, line));
                 return;
             }
         }
@@ -50,7 +49,7 @@ impl<'a> Lines<'a> {
     }
 
     pub fn spot(&self, line: usize) -> Spot {
-        Spot { file: self.file.to_path_buf(), line }
+        self.source.spot(line)
     }
 
     /// The next data line, unless a keyword or the end of the file comes first.
@@ -88,16 +87,20 @@ impl<'a> Lines<'a> {
 
 impl<'a> Keyword<'a> {
     fn add_parameters(&mut self, fields: impl Iterator<Item = &'a str>) {
-        for field in fields.filter(|field| !field.is_empty()) {
-            let (name, value) = field.split_once('=').unwrap_or((field, ""));
-            self.parameters.push((canonical(name), value.trim().trim_matches('"')));
-        }
+        self.parameters.extend(parameters(fields));
     }
 
     /// The value of a parameter; empty for a flag.
     pub fn get(&self, name: &str) -> Option<&'a str> {
         self.parameters.iter().find(|(other, _)| other == name).map(|(_, value)| *value)
     }
+}
+
+/// Names in upper case without blanks, and values (empty for flags).
+pub fn parameters<'a>(fields: impl Iterator<Item = &'a str>) -> Vec<(String, &'a str)> {
+    let split = |field: &'a str| field.split_once('=').unwrap_or((field, ""));
+    let fields = fields.map(str::trim).filter(|field| !field.is_empty()).map(split);
+    fields.map(|(name, value)| (canonical(name), value.trim().trim_matches('"'))).collect()
 }
 
 /// Upper case without blanks.

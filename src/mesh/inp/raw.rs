@@ -13,7 +13,13 @@ pub struct Raw {
     pub element_sets: Vec<RawSet>,
     pub materials: Vec<RawMaterial>,
     pub sections: Vec<RawSection>,
+    pub surfaces: Vec<RawSurface>,
+    pub boundaries: Vec<RawBoundary>,
+    /// The frequency step of a deck.
+    pub frequency: Option<FrequencyStep>,
     pub warnings: Vec<Warning>,
+    /// Whether bricks with too many nodes have been warned of.
+    pub surplus_said: bool,
 }
 
 pub struct RawNode {
@@ -22,10 +28,50 @@ pub struct RawNode {
     pub line: u32,
 }
 
+/// An element: a solid, or something that only sets are made of.
 pub struct RawCell {
-    pub kind: CellKind,
+    pub kind: RawKind,
     pub label: u64,
     pub line: u32,
+}
+
+/// What an element is.
+#[derive(Clone, Copy)]
+pub enum RawKind {
+    Solid(CellKind),
+    /// A line or surface element without a section, such as Gmsh writes: its name and nodes.
+    Carrier(&'static str, usize),
+}
+
+impl RawKind {
+    pub fn node_count(self) -> usize {
+        match self {
+            RawKind::Solid(kind) => kind.node_count(),
+            RawKind::Carrier(_, nodes) => nodes,
+        }
+    }
+}
+
+/// A piece of a surface: a face of an element or of every element of a set.
+pub struct RawSurface {
+    pub name: String,
+    pub of: Target,
+    /// Counted from 0.
+    pub face: usize,
+    pub line: usize,
+}
+
+/// One label or one set.
+pub enum Target {
+    Label(u64),
+    Set(String),
+}
+
+/// Displacements held.
+pub struct RawBoundary {
+    pub of: Target,
+    pub directions: [bool; 3],
+    pub line: usize,
 }
 
 /// A piece of a set; pieces of the same name make one set.
@@ -43,6 +89,8 @@ pub enum Members {
     Range { first: u64, last: u64, step: u64, line: usize },
     /// Another set.
     Set { name: String, line: usize },
+    /// The nodes of an element set.
+    OfElements { name: String, line: usize },
 }
 
 pub struct RawMaterial {
@@ -58,4 +106,15 @@ pub struct RawSection {
     pub element_set: String,
     pub material: String,
     pub line: usize,
+}
+
+/// What a deck's frequency step asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrequencyStep {
+    /// Modes wanted.
+    pub modes: usize,
+    /// Lowest frequency wanted, cycles a time unit.
+    pub from: f64,
+    /// Highest frequency wanted.
+    pub to: f64,
 }

@@ -1,18 +1,29 @@
 //! First pass: what each keyword opens.
 
-use super::keywords::{advice, is_harmless};
+use super::keywords::pass_over;
 use super::lines::{Keyword, Lines, shortened};
 use super::properties::{read_density, read_elastic, read_material, read_solid_section};
 use super::raw::Raw;
+use super::source::Source;
+use super::step::{read_boundary, read_step};
+use super::surfaces::read_surface;
 use super::topology::{read_elements, read_nodes, read_set};
 use crate::mesh::{MeshError, Warning};
-use std::path::Path;
 
 type Result<T> = std::result::Result<T, MeshError>;
 
+/// What a file is read for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// A part of a machine: steps do not matter.
+    Part,
+    /// Its own frequency step.
+    Deck,
+}
+
 /// Everything that stands in a file.
-pub fn collect(text: &str, file: &Path) -> Result<Raw> {
-    let mut lines = Lines::new(text, file);
+pub fn collect(source: &Source, purpose: Purpose, plain_bricks: bool) -> Result<Raw> {
+    let mut lines = Lines::new(source);
     let mut raw = Raw::default();
     loop {
         if let Some((line, data)) = lines.next_data() {
@@ -24,29 +35,21 @@ pub fn collect(text: &str, file: &Path) -> Result<Raw> {
         match keyword.name.as_str() {
             "HEADING" => lines.skip_data(),
             "NODE" => read_nodes(&keyword, &mut lines, &mut raw)?,
-            "ELEMENT" => read_elements(&keyword, &mut lines, &mut raw)?,
+            "ELEMENT" => read_elements(&keyword, plain_bricks, &mut lines, &mut raw)?,
             "NSET" => read_set(&keyword, "NSET", &mut lines, &mut raw.node_sets)?,
             "ELSET" => read_set(&keyword, "ELSET", &mut lines, &mut raw.element_sets)?,
             "MATERIAL" => read_material(&keyword, &lines, &mut raw)?,
             "ELASTIC" => read_elastic(&keyword, &mut lines, &mut raw)?,
             "DENSITY" => read_density(&keyword, &mut lines, &mut raw)?,
             "SOLIDSECTION" => read_solid_section(&keyword, &mut lines, &mut raw)?,
-            "STEP" => skip_step(&keyword, &mut lines, &mut raw)?,
-            name if is_harmless(name) => {
-                let text = format!("*{} is passed over; it does not change the mesh", keyword.spelling);
-                raw.warnings.push(Warning { line: keyword.line, text });
-                lines.skip_data();
-            }
-            name => {
-                return Err(MeshError::Keyword {
-                    spot: lines.spot(keyword.line),
-                    keyword: keyword.spelling.to_owned(),
-                    advice: advice(name),
-                });
-            }
+            "SURFACE" => read_surface(&keyword, &mut lines, &mut raw)?,
+            "BOUNDARY" => read_boundary(&keyword, &mut lines, &mut raw)?,
+            "STEP" if purpose == Purpose::Deck && raw.frequency.is_none() => read_step(&keyword, &mut lines, &mut raw)?,
+            "STEP" => skip_step(&keyword, purpose, &mut lines, &mut raw)?,
+            _ => pass_over(&keyword, "mesh", &mut lines, &mut raw)?,
         }
     }
-    if !text.is_empty() && !text.ends_with('\n') {
+    if source.ends_without_line_end() {
         let text = "the file does not end in a line end; it may be cut off".to_owned();
         raw.warnings.push(Warning { line: lines.number(), text });
     }
@@ -91,8 +94,11 @@ pub fn need<'a>(
 }
 
 /// Passes over everything up to `*END STEP`.
-fn skip_step(step: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    let text = "*STEP to *END STEP is passed over; the machine file says what is clamped and computed";
+fn skip_step(step: &Keyword<'_>, purpose: Purpose, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
+    let text = match purpose {
+        Purpose::Part => "*STEP to *END STEP is passed over; the machine file says what is clamped and computed",
+        Purpose::Deck => "this later step is passed over; the modes are those of the first",
+    };
     raw.warnings.push(Warning { line: step.line, text: text.to_owned() });
     loop {
         lines.skip_data();

@@ -1,18 +1,19 @@
 //! Named sets, from labels, ranges and other sets.
 
-use super::labels::Labels;
+use super::assemble::Element;
 use super::raw::{Members, RawSet};
+use super::source::Source;
 use crate::machine::nearest;
+use crate::mesh::labels::Labels;
 use crate::mesh::{MeshError, Spot, Warning};
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
 
 type Result<T> = std::result::Result<T, MeshError>;
 
 /// Most members of all sets together, before duplicates are removed: this many, or this many times the
 /// labels if that is more. Bounds time and memory.
-const MOST_MEMBERS: usize = 1_000_000;
-const MOST_MEMBERS_PER_LABEL: usize = 200;
+pub const MOST_MEMBERS: usize = 1_000_000;
+pub const MOST_MEMBERS_PER_LABEL: usize = 200;
 
 /// Sets by their name in upper case.
 pub struct Sets(HashMap<String, Set>);
@@ -46,6 +47,19 @@ impl Sets {
         self.0.get(&name.to_uppercase()).map(|set| set.members.as_slice())
     }
 
+    /// Names with their members.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &[u32])> {
+        self.0.values().map(|set| (set.spelling.as_str(), set.members.as_slice()))
+    }
+
+    /// Adds the sets whose names are not taken; members are ascending without duplicates.
+    pub fn add_missing(&mut self, sets: Vec<(String, Vec<u32>)>) {
+        for (name, members) in sets {
+            let sorted = members.len();
+            self.0.entry(name.to_uppercase()).or_insert(Set { spelling: name, members, sorted });
+        }
+    }
+
     /// The set that `name` is probably a misspelling of.
     pub fn nearest(&self, name: &str) -> Option<String> {
         nearest(name, self.0.values().map(|set| set.spelling.as_str())).map(str::to_owned)
@@ -60,7 +74,7 @@ impl Sets {
 
 /// Resolves the sets of one file.
 pub struct Resolver<'a> {
-    file: &'a Path,
+    source: &'a Source,
     /// Members added so far, and labels looked through for them.
     members: usize,
     /// What was passed over so far.
@@ -71,15 +85,17 @@ pub struct Resolver<'a> {
 pub struct Kind<'a> {
     pub name: &'static str,
     pub labels: &'a Labels,
+    /// The elements and their sets, from which node sets may be made.
+    pub elements: Option<(&'a Vec<Element>, &'a Sets)>,
 }
 
 impl<'a> Resolver<'a> {
-    pub fn new(file: &'a Path, warnings: Vec<Warning>) -> Self {
-        Resolver { file, members: 0, warnings }
+    pub fn new(source: &'a Source, warnings: Vec<Warning>) -> Self {
+        Resolver { source, members: 0, warnings }
     }
 
     fn spot(&self, line: usize) -> Spot {
-        Spot { file: self.file.to_path_buf(), line }
+        self.source.spot(line)
     }
 
     /// Members of each set as ascending indices without duplicates.
@@ -114,6 +130,17 @@ impl<'a> Resolver<'a> {
                     nearest: sets.nearest(other),
                 })?;
                 (added.to_vec(), *line)
+            }
+            Members::OfElements { name: other, line } => {
+                let found = kind.elements.and_then(|(elements, sets)| Some((elements, sets.get(other)?)));
+                let (elements, members) = found.ok_or_else(|| MeshError::UnknownName {
+                    spot: self.spot(*line),
+                    kind: "element set",
+                    name: other.clone(),
+                    nearest: kind.elements.and_then(|(_, sets)| sets.nearest(other)),
+                })?;
+                let nodes = members.iter().flat_map(|&i| &elements[i as usize].nodes).map(|&node| node as u32);
+                (nodes.collect(), *line)
             }
         };
         self.members += added.len();

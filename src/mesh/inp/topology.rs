@@ -1,9 +1,9 @@
 //! Sections of nodes, elements and sets.
 
 use super::lines::{Keyword, Lines, bad_value, fields, label, number};
-use super::raw::{Members, Raw, RawCell, RawNode, RawSet};
+use super::raw::{Members, Raw, RawCell, RawKind, RawNode, RawSet};
 use super::sections::{check_parameters, need};
-use crate::mesh::{CellKind, MeshError};
+use crate::mesh::{CellKind, MeshError, Warning};
 
 type Result<T> = std::result::Result<T, MeshError>;
 
@@ -27,21 +27,24 @@ pub fn read_nodes(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -
     Ok(())
 }
 
-pub fn read_elements(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    const ALLOWED: &str = "TYPE=C3D10, ELSET";
+pub fn read_elements(keyword: &Keyword<'_>, plain_bricks: bool, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
+    const ALLOWED: &str = "TYPE (C3D4, C3D6, C3D8, C3D8I, C3D10, C3D15, C3D20 or C3D20R), ELSET";
     check_parameters(keyword, "ELEMENT", &["TYPE", "ELSET"], ALLOWED, lines)?;
-    let kind = match need(keyword, "ELEMENT", "TYPE", ALLOWED, lines)? {
-        name if name.eq_ignore_ascii_case("C3D10") => CellKind::Tet10,
-        name => {
-            return Err(MeshError::Parameter {
-                spot: lines.spot(keyword.line),
-                keyword: "ELEMENT",
-                seen: format!("the element type {name:?} is not supported"),
-                allowed: "TYPE=C3D10, the ten-node tetrahedron",
-                advice: "mesh with it, and export volume elements alone",
-            });
-        }
+    let name = need(keyword, "ELEMENT", "TYPE", ALLOWED, lines)?;
+    let kind = find_kind(name).ok_or_else(|| MeshError::Parameter {
+        spot: lines.spot(keyword.line),
+        keyword: "ELEMENT",
+        seen: format!("the element type {name:?} is not supported"),
+        allowed: ALLOWED,
+        advice: "mesh with one of them, and export volume elements alone",
+    })?;
+    let kind = match kind {
+        RawKind::Solid(CellKind::Hex8) if !plain_bricks => RawKind::Solid(CellKind::Hex8Incompatible),
+        kind => kind,
     };
+    if let Some(text) = remark(name, kind) {
+        raw.warnings.push(Warning { line: keyword.line, text });
+    }
     let first = raw.cells.len();
     while let Some((line, data)) = lines.next_data() {
         read_element(kind, line, data, lines, raw)?;
@@ -50,9 +53,53 @@ pub fn read_elements(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw
     Ok(())
 }
 
+/// The type of a name, solid or not.
+fn find_kind(name: &str) -> Option<RawKind> {
+    if let Some(kind) = CellKind::ALL.into_iter().find(|kind| kind.name().eq_ignore_ascii_case(name)) {
+        return Some(RawKind::Solid(kind));
+    }
+    let carrier = CARRIERS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+    carrier.map(|&(known, nodes)| RawKind::Carrier(known, nodes))
+}
+
+/// Line and surface elements with their nodes. Without a section they only make sets.
+const CARRIERS: [(&str, usize); 16] = [
+    ("T3D2", 2),
+    ("T3D3", 3),
+    ("B31", 2),
+    ("B32", 3),
+    ("CPS3", 3),
+    ("CPS4", 4),
+    ("CPS6", 6),
+    ("CPS8", 8),
+    ("CPE3", 3),
+    ("CPE4", 4),
+    ("CPE6", 6),
+    ("CPE8", 8),
+    ("S3", 3),
+    ("S4", 4),
+    ("S6", 6),
+    ("S8", 8),
+];
+
+/// What the user should know of a type.
+fn remark(name: &str, kind: RawKind) -> Option<String> {
+    match kind {
+        RawKind::Solid(CellKind::Tet4) => {
+            Some("C3D4, the four-node tetrahedron, is far too stiff in bending; mesh with C3D10 instead".into())
+        }
+        RawKind::Solid(CellKind::Hex8Incompatible) if name.eq_ignore_ascii_case("C3D8") => Some(
+            "C3D8 is read as C3D8I, the brick with incompatible modes; the plain one is too stiff in bending".into(),
+        ),
+        RawKind::Solid(CellKind::Hex8) => Some("C3D8, the plain brick, is far too stiff in bending".into()),
+        RawKind::Carrier(name, _) => Some(format!("{name} elements are no solids: they only make sets")),
+        RawKind::Solid(_) => None,
+    }
+}
+
 /// One element, which may take several lines.
 fn read_element(
-    kind: CellKind,
+    kind: RawKind,
     first_line: usize,
     first_data: &str,
     lines: &mut Lines<'_>,
@@ -61,6 +108,7 @@ fn read_element(
     let mut cell = None;
     let mut missing = kind.node_count();
     let (mut line, mut data) = (first_line, first_data);
+    let mut surplus = false;
     loop {
         for field in fields(data) {
             let Some(value) = label(field) else {
@@ -71,6 +119,8 @@ fn read_element(
             } else if missing > 0 {
                 raw.cell_nodes.push(value);
                 missing -= 1;
+            } else if matches!(kind, RawKind::Solid(CellKind::Hex8 | CellKind::Hex8Incompatible)) {
+                surplus = true; // CalculiX reads eight and passes over the rest of the line.
             } else {
                 let allowed = format!("an element label and {} node labels, no more", kind.node_count());
                 return bad_value(lines.spot(line), "ELEMENT", data, allowed);
@@ -89,6 +139,10 @@ fn read_element(
     if let Some(node) = nodes.iter().enumerate().find_map(|(i, node)| nodes[..i].contains(node).then_some(node)) {
         let allowed = format!("{} different nodes, not node {node} twice", kind.node_count());
         return bad_value(lines.spot(line), "ELEMENT", first_data, allowed);
+    }
+    if surplus && !std::mem::replace(&mut raw.surplus_said, true) {
+        let text = "more than eight nodes of an eight-node brick; the others are passed over, here and further on";
+        raw.warnings.push(Warning { line: first_line, text: text.into() });
     }
     if let Some(label) = cell {
         raw.cells.push(RawCell { kind, label, line: first_line as u32 });
@@ -110,10 +164,19 @@ pub fn read_set(
     lines: &mut Lines<'_>,
     sets: &mut Vec<RawSet>,
 ) -> Result<()> {
-    let allowed = if kind == "NSET" { "NSET, GENERATE" } else { "ELSET, GENERATE" };
-    check_parameters(keyword, kind, &[kind, "GENERATE", "INTERNAL", "UNSORTED"], allowed, lines)?;
+    let allowed = if kind == "NSET" { "NSET, ELSET, GENERATE" } else { "ELSET, GENERATE" };
+    check_parameters(
+        keyword,
+        kind,
+        &[kind, "GENERATE", "INTERNAL", "UNSORTED", if kind == "NSET" { "ELSET" } else { kind }],
+        allowed,
+        lines,
+    )?;
     let name = need(keyword, kind, kind, allowed, lines)?;
     let mut push = |members| sets.push(RawSet { name: name.to_owned(), members });
+    if let Some(elements) = keyword.get("ELSET").filter(|_| kind == "NSET") {
+        push(Members::OfElements { name: elements.to_owned(), line: keyword.line });
+    }
     let mut labels = Vec::new();
     while let Some((line, data)) = lines.next_data() {
         if keyword.get("GENERATE").is_some() {

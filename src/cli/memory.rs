@@ -1,0 +1,75 @@
+//! How much memory a map may take.
+
+use super::UsageError;
+use stiffmap::export::mat5;
+
+/// Bytes where nothing is known of the machine's memory.
+const UNKNOWN: u64 = 1 << 30;
+/// Share of the available memory: beside the map lies its transposed copy, and room is left for the rest.
+const SHARE: u64 = 4;
+
+/// Largest map that is held in memory, bytes: what `--map-memory` says, else a quarter of the memory that is available;
+/// never more than a variable of a MAT-file holds.
+pub fn map_limit(asked: Option<u64>) -> u64 {
+    let limit = asked.unwrap_or_else(|| available().map_or(UNKNOWN, |bytes| bytes / SHARE));
+    limit.min(mat5::LIMIT - (1 << 16))
+}
+
+/// A size such as `512MB`, `2GiB` or a number of bytes.
+pub fn parse_size(text: &str) -> Result<u64, UsageError> {
+    const UNITS: [(&str, f64); 8] = [
+        ("", 1.0),
+        ("B", 1.0),
+        ("kB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("KiB", 1024.0),
+        ("MiB", 1048576.0),
+        ("GiB", 1073741824.0),
+    ];
+    let text = text.trim();
+    let end = text.find(|c: char| c.is_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = (text[..end].trim(), &text[end..]);
+    let factor = UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit)).map(|(_, factor)| factor);
+    match (number.parse::<f64>(), factor) {
+        (Ok(number), Some(factor)) if number.is_finite() && number >= 0.0 => Ok((number * factor) as u64),
+        _ => Err(UsageError(format!(
+            "\"{text}\" is no size; write a number of bytes, or `512MB`, `2GiB`; 0 always streams"
+        ))),
+    }
+}
+
+/// Bytes that a program can still take, as far as the system says.
+fn available() -> Option<u64> {
+    let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
+    let memory = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
+        let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+        line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| 1024 * kib)
+    });
+    // A container's own limit; "max" for none.
+    let group = number("/sys/fs/cgroup/memory.max")
+        .map(|limit| limit.saturating_sub(number("/sys/fs/cgroup/memory.current").unwrap_or(0)));
+    [memory, group].into_iter().flatten().min()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_with_their_units() {
+        for (text, bytes) in [("0", 0), ("512", 512), ("512MB", 512_000_000), ("1.5 GiB", 1_610_612_736), ("2kb", 2000)]
+        {
+            assert_eq!(parse_size(text).unwrap(), bytes, "{text}");
+        }
+        for text in ["", "MB", "-1", "3 apples", "nan", "1e400"] {
+            assert!(parse_size(text).unwrap_err().to_string().contains("512MB"), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_limit_fits_a_variable_of_a_mat_file() {
+        assert_eq!(map_limit(Some(1000)), 1000);
+        assert!(map_limit(Some(u64::MAX)) < mat5::LIMIT && map_limit(None) > 0);
+    }
+}

@@ -1,0 +1,83 @@
+//! One matrix or table from a file, by its extension.
+
+use super::coordinates::Coordinates;
+use super::labels::{DofLabel, DofTable, parse_calculix_dofs, parse_dof_table};
+use super::op4::parse_op4;
+use super::{MatrixError, abaqus, calculix, full, market};
+use std::path::Path;
+
+/// A matrix as its file has it.
+pub(super) struct Raw {
+    pub matrix: Coordinates,
+    pub labels: Option<Vec<DofLabel>>,
+    pub fixed: Vec<DofLabel>,
+    /// Whether the file says how many rows there are.
+    pub sized: bool,
+}
+
+pub(super) fn bytes(file: &Path) -> Result<Vec<u8>, MatrixError> {
+    std::fs::read(file).map_err(|source| MatrixError::Unreadable { file: file.to_path_buf(), source })
+}
+
+pub(super) fn read_dofs(file: &Path) -> Result<DofTable, MatrixError> {
+    let calculix = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("dof"));
+    if calculix { parse_calculix_dofs(&bytes(file)?, file) } else { parse_dof_table(&bytes(file)?, file) }
+}
+
+pub(super) fn read_matrix(
+    file: &Path,
+    name: Option<&str>,
+    what: &'static str,
+    warnings: &mut Vec<String>,
+) -> Result<Raw, MatrixError> {
+    let extension = file.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let plain = |matrix, sized| Raw { matrix, labels: None, fixed: Vec::new(), sized };
+    let bytes = bytes(file)?;
+    let missing =
+        |what: String, found: String, advice| MatrixError::Missing { file: file.to_path_buf(), what, found, advice };
+    match extension.as_str() {
+        "mtx"
+            if bytes.len() >= market::BANNER.len()
+                && bytes[..market::BANNER.len()].eq_ignore_ascii_case(market::BANNER.as_bytes()) =>
+        {
+            let mut matrix = market::parse_market(&bytes, file)?;
+            let triangle = |over: fn(&(u32, u32, f64)) -> bool| !matrix.entries.iter().any(over);
+            let one = triangle(|(i, j, _)| i < j) != triangle(|(i, j, _)| i > j);
+            if one && !matrix.symmetric {
+                warnings
+                    .push(format!("{}: one triangle under the header `general` is read as symmetric", file.display()));
+            }
+            matrix.symmetric |= one;
+            Ok(plain(matrix, true))
+        }
+        "mtx" => {
+            let (matrix, labels) = abaqus::parse_abaqus(&bytes, file)?;
+            Ok(Raw { matrix, labels, fixed: Vec::new(), sized: false })
+        }
+        "sti" | "mas" => Ok(plain(calculix::parse_calculix(&bytes, file)?, false)),
+        "op4" => {
+            let (mut matrices, unusable) = parse_op4(&bytes, file)?;
+            let names = || {
+                let usable = matrices.iter().map(|m| m.name.clone());
+                let all: Vec<String> = usable.chain(unusable.iter().cloned()).collect();
+                if all.is_empty() { "none".into() } else { all.join(", ") }
+            };
+            let wanted = name.map_or_else(|| format!("single {what} matrix"), |n| format!("real square matrix {n}"));
+            let at = match name {
+                Some(name) => matrices.iter().position(|m| m.name.eq_ignore_ascii_case(name)),
+                None => (matrices.len() == 1).then_some(0),
+            };
+            let advice = "name one by stiffness_name or mass_name";
+            let at = at.ok_or_else(|| missing(wanted, names(), advice))?;
+            Ok(plain(matrices.swap_remove(at).matrix, true))
+        }
+        "full" => {
+            let full = full::parse_full(&bytes, file)?;
+            let matrix = if what == "mass" { full.mass } else { Some(full.stiffness) };
+            let advice = "write it by a modal analysis, or name another file";
+            let matrix = matrix.ok_or_else(|| missing("mass matrix".into(), "a stiffness matrix".into(), advice))?;
+            Ok(Raw { matrix, labels: Some(full.labels), fixed: full.fixed, sized: true })
+        }
+        _ => Err(MatrixError::UnknownFormat { file: file.to_path_buf(), extension }),
+    }
+}

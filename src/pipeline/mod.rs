@@ -1,0 +1,334 @@
+//! The main job's stages, each a function from one named struct to the next.
+
+mod travel;
+
+pub use travel::{check_travel, screw_length};
+
+use crate::coupling::{
+    BasisOptions, CoupledModel, CouplingError, Unreduced, at_fixed_position, couple, reduction_requests, unreduced,
+};
+use crate::interrupt::Interrupt;
+use crate::linalg::{LinalgError, symmetric_eigen};
+use crate::machine::{Damping, Machine, SurfaceCoupling};
+use crate::mesh::{MeshError, MeshFile, read_part_mesh};
+use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, Tracker, check_count, modes_at, track};
+use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
+use crate::solid::{SolidError, interface_motions};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Why a stage failed.
+#[derive(Debug, thiserror::Error)]
+pub enum PipelineError {
+    /// A mesh file is missing or not usable.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A part is not usable.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
+    /// A part could not be reduced.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// The parts could not be coupled.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// The modes of a position could not be had.
+    #[error(transparent)]
+    Modal(#[from] ModalError),
+    /// The user asked to stop.
+    #[error("interrupted; nothing half-written is left")]
+    Interrupted,
+}
+
+impl PipelineError {
+    /// Whether the input is to blame (exit code 2) and not the computation.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Mesh(_) | Self::Solid(_) => true,
+            Self::Reduction(error) => matches!(error, ReductionError::Solid(_) | ReductionError::NotHeld { .. }),
+            Self::Coupling(error) | Self::Modal(ModalError::Coupling(error)) => {
+                !matches!(error, CouplingError::Basis(_))
+            }
+            Self::Modal(_) | Self::Interrupted => false,
+        }
+    }
+}
+
+/// Reports that one more of a stage's steps is done.
+pub type Step<'a> = &'a (dyn Fn() + Sync);
+
+/// Reads every part's mesh or matrices.
+///
+/// # Errors
+/// [`PipelineError::Mesh`], with file and line.
+pub fn read_meshes(machine: &Machine) -> Result<Vec<MeshFile>, PipelineError> {
+    machine.parts.par_iter().map(|part| Ok(read_part_mesh(part)?)).collect()
+}
+
+/// Reduces every part, parts in parallel; superelements come from the cache where there is one.
+///
+/// # Errors
+/// [`PipelineError`] of the first part that fails.
+pub fn reduce_parts(
+    machine: &Machine,
+    meshes: &[MeshFile],
+    cache: Option<&Cache>,
+    interrupt: &Interrupt,
+    step: Step<'_>,
+) -> Result<Vec<Cached>, PipelineError> {
+    let centroids = machine.parts.iter().zip(meshes).map(|(part, file)| {
+        Ok(interface_motions(part, &file.mesh)?.iter().map(|(_, motion)| motion.centroid).collect())
+    });
+    let centroids = centroids.collect::<Result<Vec<Vec<[f64; 3]>>, SolidError>>()?;
+    check_travel(machine, meshes, &centroids)?;
+    let requests = reduction_requests(machine, &centroids);
+    // The largest part first, so that it does not run alone at the end.
+    let mut order: Vec<usize> = (0..requests.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(meshes[i].mesh.nodes.len()));
+    let one = |&i: &usize| -> Result<(usize, Cached), PipelineError> {
+        if interrupt.requested() {
+            return Err(PipelineError::Interrupted);
+        }
+        let (request, mesh) = (&requests[i], &meshes[i].mesh);
+        let made = match cache {
+            Some(cache) => cache.reduce(request, mesh, Some(interrupt)),
+            None => reduce(request, mesh, Some(interrupt)).map(|superelement| Cached {
+                superelement,
+                hit: false,
+                warnings: Vec::new(),
+            }),
+        };
+        step();
+        match made {
+            Err(ReductionError::Linalg { source: LinalgError::Interrupted, .. }) => Err(PipelineError::Interrupted),
+            made => Ok((i, made?)),
+        }
+    };
+    let mut parts = order.par_iter().with_max_len(1).map(one).collect::<Result<Vec<_>, _>>()?;
+    parts.sort_by_key(|(i, _)| *i);
+    Ok(parts.into_iter().map(|(_, cached)| cached).collect())
+}
+
+/// Couples the superelements in a fixed basis made for frequencies up to `highest` (Hz), or as far up
+/// as the `reported` elastic modes reach where that is higher; returns the frequency it was made for.
+///
+/// # Errors
+/// [`PipelineError`] of coupling, or of the modes at the first station.
+pub fn build_model(
+    machine: &Machine,
+    superelements: &[Superelement],
+    reported: usize,
+    highest: f64,
+) -> Result<(CoupledModel, f64), PipelineError> {
+    let model = couple(machine, superelements, BasisOptions::up_to(highest))?;
+    let modes = modes_at(&model, &machine.analysis.damping, machine.axis.travel[0], reported + 20)?;
+    let last = modes.frequency((modes.free + reported).min(modes.eigenvalues.len()) - 1);
+    // Frequencies move by some 10 % over a travel; a basis that reaches a quarter too far is no loss.
+    if 0.8 * last <= highest {
+        return Ok((model, highest));
+    }
+    let higher = 1.25 * last;
+    Ok((couple(machine, superelements, BasisOptions::up_to(higher))?, higher))
+}
+
+/// Largest relative difference of the lowest `reported` elastic frequencies between the fixed basis and
+/// the superelements side by side, at both ends and off the stations in the middle of the travel.
+///
+/// # Errors
+/// [`PipelineError::Coupling`] or [`PipelineError::Modal`].
+pub fn check_basis(machine: &Machine, model: &CoupledModel, reported: usize) -> Result<f64, PipelineError> {
+    let [from, to] = machine.axis.travel;
+    let middle = 0.5 * (from + to) + 0.37 * machine.axis.step * (to - from).signum();
+    let one = |position: &f64| -> Result<f64, PipelineError> {
+        let modes = modes_at(model, &machine.analysis.damping, *position, reported + 20)?;
+        let side_by_side = model.side_by_side.coupled_stiffness(*position)?;
+        let exact =
+            symmetric_eigen(&side_by_side).map_err(|source| ModalError::Eigen { position: *position, source })?;
+        let last = (modes.free + reported).min(modes.eigenvalues.len());
+        let difference = |r: usize| (modes.eigenvalues[r] / exact.values[r]).sqrt() - 1.0;
+        Ok((modes.free..last).map(|r| difference(r).abs()).fold(0.0, f64::max))
+    };
+    let errors = [from, middle, to].par_iter().map(one).collect::<Result<Vec<f64>, _>>()?;
+    Ok(errors.into_iter().fold(0.0, f64::max))
+}
+
+/// Modes at every position, each counted, and their families.
+#[derive(Debug)]
+pub struct Solved {
+    /// Modes, one a position.
+    pub modes: Vec<Modes>,
+    /// The inertia counts, one a position.
+    pub counts: Vec<ModeCount>,
+    /// Families.
+    pub families: ModeFamilies,
+}
+
+/// Solves the positions in parallel, counts their modes and tracks the `reported` lowest elastic ones.
+///
+/// # Errors
+/// [`PipelineError::Modal`]; a missed mode is an error.
+pub fn solve_positions(
+    machine: &Machine,
+    model: &CoupledModel,
+    positions: &[f64],
+    reported: usize,
+    interrupt: &Interrupt,
+    step: Step<'_>,
+) -> Result<Solved, PipelineError> {
+    let damping = &machine.analysis.damping;
+    let (modes, counts) = solve_all(model, damping, positions, reported, interrupt, step)?;
+    let families = track(&modes, reported, &|position| modes_at(model, damping, position, reported + 16))?;
+    Ok(Solved { modes, counts, families })
+}
+
+/// Positions that are solved together where their shapes are not kept.
+const BATCH: usize = 64;
+
+/// [`solve_positions`] in the memory of a few: of all but the first position the shapes in the basis are given up once
+/// they are tracked (they become empty; those at the ports stay). 12,000 positions of 150 coordinates would hold 2 GB.
+///
+/// # Errors
+/// As [`solve_positions`].
+pub fn solve_many_positions(
+    machine: &Machine,
+    model: &CoupledModel,
+    positions: &[f64],
+    reported: usize,
+    interrupt: &Interrupt,
+    step: Step<'_>,
+) -> Result<Solved, PipelineError> {
+    let damping = &machine.analysis.damping;
+    let solve = |position| modes_at(model, damping, position, reported + 16);
+    let mut tracker = Tracker::new(reported);
+    let mut modes: Vec<Modes> = Vec::with_capacity(positions.len());
+    let mut counts = Vec::with_capacity(positions.len());
+    let give_up = |modes: &mut Modes| modes.shapes = nalgebra::DMatrix::zeros(0, 0);
+    for batch in positions.chunks(BATCH) {
+        let (batch, counted) = solve_all(model, damping, batch, reported, interrupt, step)?;
+        counts.extend(counted);
+        for next in batch {
+            tracker.follow(modes.last(), &next, &solve)?;
+            if let Some(before) = modes.iter_mut().skip(1).next_back() {
+                give_up(before);
+            }
+            modes.push(next);
+        }
+    }
+    modes.iter_mut().skip(1).for_each(give_up);
+    Ok(Solved { modes, counts, families: tracker.finish() })
+}
+
+fn solve_all(
+    model: &CoupledModel,
+    damping: &Damping,
+    positions: &[f64],
+    reported: usize,
+    interrupt: &Interrupt,
+    step: Step<'_>,
+) -> Result<(Vec<Modes>, Vec<ModeCount>), PipelineError> {
+    let one = |&position: &f64| -> Result<(Modes, ModeCount), PipelineError> {
+        if interrupt.requested() {
+            return Err(PipelineError::Interrupted);
+        }
+        let modes = modes_at(model, damping, position, reported + 16)?;
+        let count = check_count(model, &modes, modes.free + reported)?;
+        step();
+        Ok((modes, count))
+    };
+    Ok(positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
+}
+
+/// The machine's springs at a position over the nodes of its parts, before any reduction.
+///
+/// # Errors
+/// [`PipelineError::Solid`] for an interface without a surface, [`PipelineError::Coupling`].
+pub fn unreduced_springs(machine: &Machine, meshes: &[MeshFile], position: f64) -> Result<Unreduced, PipelineError> {
+    let own = machine.parts.iter().zip(meshes).map(|(part, file)| interface_motions(part, &file.mesh));
+    let surfaces = own.collect::<Result<Vec<_>, _>>()?;
+    let meshes: Vec<_> = meshes.iter().map(|f| &f.mesh).collect();
+    Ok(unreduced(machine, &meshes, &surfaces, position)?)
+}
+
+/// A basis is not made for frequencies above this, Hz.
+const HIGHEST: f64 = 1e7;
+
+/// A machine with its modes at one position.
+#[derive(Debug)]
+pub struct AtOnePosition {
+    /// The modes.
+    pub modes: Modes,
+    /// Motions of all interfaces of all parts, six rows each, over the elastic modes asked for.
+    pub motions: DMatrix<f64>,
+    /// Unknowns before the reduction.
+    pub n_dof: usize,
+}
+
+/// Reduces and couples a machine and finds its lowest `elastic` modes at a position, counted.
+///
+/// # Errors
+/// [`PipelineError`] of the stage that fails.
+pub fn at_position(
+    machine: &Machine,
+    meshes: &[MeshFile],
+    cache: Option<&Cache>,
+    position: f64,
+    elastic: usize,
+    interrupt: &Interrupt,
+) -> Result<AtOnePosition, PipelineError> {
+    let cached = reduce_parts(machine, meshes, cache, interrupt, &|| ())?;
+    let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
+    let mut highest = machine.analysis.frequencies.iter().copied().fold(1.0, f64::max);
+    // A basis made for less than the wanted modes may be too small to tell how far they reach.
+    let (model, modes) = loop {
+        let (model, made) = build_model(machine, &superelements, elastic, highest)?;
+        let modes = modes_at(&model, &machine.analysis.damping, position, elastic + 16)?;
+        let count = modes.eigenvalues.len();
+        let all = superelements.iter().map(Superelement::n).sum::<usize>();
+        let enough = count >= all || count >= 2 * (modes.free + elastic);
+        let reached = modes.frequency((modes.free + elastic).min(count) - 1) <= made;
+        if enough && reached || made > HIGHEST {
+            break (model, modes);
+        }
+        highest = 2.0 * made;
+    };
+    check_count(&model, &modes, modes.free + elastic)?;
+    let wanted = elastic.min(modes.eigenvalues.len() - modes.free);
+    let shapes = modes.shapes.columns(modes.free, wanted);
+    let count = superelements.iter().map(|s| s.interfaces.len()).sum::<usize>();
+    let mut motions = DMatrix::zeros(6 * count, wanted);
+    let interfaces = superelements.iter().zip(&model.parts).flat_map(|(s, p)| s.interfaces.iter().map(move |i| (i, p)));
+    for (k, (interface, part)) in interfaces.enumerate() {
+        motions.rows_mut(6 * k, 6).copy_from(&(&interface.rows * (&part.basis * shapes)));
+    }
+    Ok(AtOnePosition { modes, motions, n_dof: superelements.iter().map(|s| s.n_dof).sum() })
+}
+
+/// The machine at a position with all its joints' interfaces distributing, and with all of them rigid.
+///
+/// # Errors
+/// [`PipelineError`]; a node that two rigid interfaces would carry is one.
+pub fn interface_band(
+    machine: &Machine,
+    position: f64,
+    elastic: usize,
+    cache: Option<&Cache>,
+    interrupt: &Interrupt,
+) -> Result<[AtOnePosition; 2], PipelineError> {
+    let meshes = read_meshes(machine)?;
+    let own = machine.parts.iter().zip(&meshes).map(|(part, file)| interface_motions(part, &file.mesh));
+    let own = own.map(|motions| Ok(motions?.iter().map(|(_, m)| m.centroid).collect()));
+    let centroids = own.collect::<Result<Vec<Vec<[f64; 3]>>, SolidError>>()?;
+    check_travel(machine, &meshes, &centroids)?;
+    let one = |coupling| {
+        let fixed = at_fixed_position(machine, &centroids, position, coupling)?;
+        // Parts given by matrices form their interfaces as they are read.
+        let meshes = if fixed.parts.iter().any(|p| p.matrices.is_some()) { &read_meshes(&fixed)? } else { &meshes };
+        at_position(&fixed, meshes, cache, position, elastic, interrupt)
+    };
+    Ok([one(SurfaceCoupling::Distributing)?, one(SurfaceCoupling::Rigid)?])
+}
+
+/// What the user should know about the cache.
+pub fn cache_warnings(parts: &[Cached]) -> Vec<String> {
+    parts.iter().flat_map(|p| p.warnings.iter().map(CacheError::to_string)).collect()
+}
