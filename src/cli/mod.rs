@@ -130,16 +130,12 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error.downcast_ref::<SweepError>().is_some_and(is_design_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
         || error.downcast_ref::<ResponseError>().is_some_and(ResponseError::is_input)
-        || error
-            .downcast_ref::<FrfError>()
-            .is_some_and(|e| !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. }))
-        || matches!(error.downcast_ref::<GpuError>(), Some(GpuError::Request(_)));
-    || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
-        (Some(e), _) | (_, Some(GpuError::Request(e))) => {
-            !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. })
-        }
-        _ => false,
-    };
+        || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
+            (Some(e), _) | (_, Some(GpuError::Request(e))) => {
+                !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. })
+            }
+            _ => false,
+        };
     if input && !error.is::<ExportError>() { Exit::BadInput } else { Exit::Failed }
 }
 
