@@ -13,6 +13,7 @@
 //!   modal          -> Modes              frequencies, damping, shapes at the ports; counted, tracked into families
 //!   state_space    -> StateSpace         A, B, C, D
 //!   frf | gpu      -> ComplianceMap      [position, frequency, output, input]
+//!   response       -> History            motions over time, fixed, along a path, with friction and backlash
 //!   sweep          -> metrics of many designs;  export, figures -> files
 //! ```
 //!
@@ -41,6 +42,7 @@ pub mod state_space;
 
 pub mod frf;
 pub mod gpu;
+pub mod response;
 
 pub mod sweep;
 

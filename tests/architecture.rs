@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The way of the data; a module uses only what stands before it.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 18] = [
     "interrupt",
     "machine",
     "linalg",
@@ -18,6 +18,7 @@ const ORDER: [&str; 17] = [
     "state_space",
     "frf",
     "gpu",
+    "response",
     "sweep",
     "export",
     "figures",

@@ -222,31 +222,53 @@ fn the_svg_holds_the_same_strokes_and_the_words_as_outlines() {
 }
 
 #[test]
-fn the_answer_to_a_push_obeys_the_equation_of_motion() {
+fn the_answer_to_a_push_is_the_modal_systems() {
     use nalgebra::DMatrix;
-    use stiffmap::figures::{PULSE, pulse_response};
-    use stiffmap::frf::ModalSystem;
-    let (f, zeta) = (120.0, 0.03);
+    use stiffmap::figures::{ImpulseInput, draw_impulse};
+    use stiffmap::frf::{FrfRequest, ModalSystem, Quantity, modal_sum};
+    use stiffmap::response::{Plant, spectrum::modal_response};
     let system = ModalSystem {
-        frequencies: vec![f],
-        damping_ratios: vec![zeta],
-        loss_factors: vec![0.0],
-        outputs: DMatrix::from_row_slice(1, 1, &[0.2]),
-        inputs: DMatrix::from_row_slice(2, 1, &[0.2, 0.1]),
-        residual: Vec::new(),
+        frequencies: vec![120.0, 310.0],
+        damping_ratios: vec![0.03, 0.02],
+        loss_factors: vec![0.0; 2],
+        outputs: DMatrix::from_row_slice(1, 2, &[0.2, -0.1]),
+        inputs: DMatrix::from_row_slice(2, 2, &[0.2, 0.1, 0.1, 0.3]),
+        residual: vec![DMatrix::from_element(1, 2, Complex::new(3e-8, 0.0))],
     };
-    let step = 1e-6;
-    let times: Vec<f64> = (0..20_000).map(|k| k as f64 * step).collect();
-    let u = &pulse_response(&system, &times)[0];
-    let omega = std::f64::consts::TAU * f;
-    let rest = |k: usize, force: f64| {
-        let velocity = (u[k + 1] - u[k - 1]) / (2.0 * step);
-        let acceleration = (u[k + 1] - 2.0 * u[k] + u[k - 1]) / (step * step);
-        (acceleration + 2.0 * zeta * omega * velocity + omega * omega * u[k] - 0.2 * 0.3 * force).abs() / (0.2 * 0.3)
+    let (outputs, inputs) = (vec!["x".to_owned()], vec!["x".to_owned(), "y".to_owned()]);
+    let frequencies: Vec<f64> = (1..500).map(f64::from).collect();
+    let request = FrfRequest {
+        positions: &[-0.1],
+        systems: std::slice::from_ref(&system),
+        frequencies: &frequencies,
+        outputs: &outputs,
+        inputs: &inputs,
+        quantity: Quantity::Receptance,
     };
-    let pushed = |k: usize| f64::from(u8::from(times[k] < PULSE));
-    let away = |k: &usize| (times[*k] - PULSE).abs() > 2.0 * step;
-    let worst = (2..19_999).filter(away).map(|k| rest(k, pushed(k))).fold(0.0, f64::max);
-    assert!(worst < 1e-3, "{worst:.1e}");
-    assert!(rest(500, 0.0) > 0.9, "control: without the force");
+    let map = modal_sum(&request).unwrap();
+    let plant = Plant::of_modal_system(-0.1, &system);
+    let apart = |plant: &Plant| {
+        let difference = |(k, f): (usize, &f64)| {
+            (modal_response(plant, &[1.0, 1.0], *f)[0] - map.at(0, k, 0, 0) - map.at(0, k, 0, 1)).norm()
+        };
+        frequencies.iter().enumerate().map(difference).fold(0.0, f64::max)
+    };
+    assert!(apart(&plant) < 1e-18, "{:.1e}", apart(&plant));
+    assert!(apart(&Plant { direct: plant.direct.scale(0.0), ..plant }) > 1e-8, "control: without the residual");
+    let folder = tempfile::tempdir().unwrap();
+    let input = ImpulseInput {
+        machine: "m",
+        axis: "z",
+        position: -0.1,
+        system: &system,
+        outputs: &outputs,
+        inputs: &inputs,
+        highest: 500.0,
+    };
+    let files = draw_impulse(&input, folder.path()).unwrap();
+    assert_eq!(files.len(), 4);
+    for png in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
+        let picture = Picture::open(png);
+        assert!(picture.colours() > 8 && picture.clipped() == 0, "{}", png.display());
+    }
 }

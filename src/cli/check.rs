@@ -6,7 +6,7 @@ use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::coupling::reduction_requests;
-use stiffmap::machine::{Grid, JointKind, Machine, Motion, ScrewSupport, SpringStiffness, read_machine};
+use stiffmap::machine::{Contact, Grid, JointKind, Machine, Motion, Part, ScrewSupport, SpringStiffness, read_machine};
 use stiffmap::pipeline;
 use stiffmap::solid::assemble;
 
@@ -38,7 +38,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             system.n_dof(),
             system.total_mass,
             part.interfaces.iter().map(|i| i.name.as_str()).collect::<Vec<_>>().join(", "),
-            if part.clamped.is_empty() { String::new() } else { format!("; clamped at {}", part.clamped.join(", ")) }
+            held_at(part)
         )?;
         for warning in &file.warnings {
             writeln!(out, "  line {}: {}", warning.line, warning.text)?;
@@ -63,6 +63,18 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// Where a part is held to ground.
+fn held_at(part: &Part) -> String {
+    let mut text =
+        if part.clamped.is_empty() { String::new() } else { format!("; clamped at {}", part.clamped.join(", ")) };
+    for support in &part.supported {
+        let held: Vec<&str> =
+            ["x", "y", "z"].into_iter().zip(support.directions).filter(|(_, h)| *h).map(|(n, _)| n).collect();
+        text += &format!("; {} held at {}", held.join(", "), support.nodes);
+    }
+    text
+}
+
 fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3]>]) -> Result<()> {
     let side = |r: stiffmap::machine::InterfaceRef| {
         let part = &machine.parts[r.part];
@@ -73,6 +85,7 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
         let springs: Vec<String> = joint
             .springs
             .iter()
+            .filter(|s| s.stiffness != SpringStiffness::Constant(0.0) || s.damping > 0.0)
             .map(|s| match (s.stiffness, s.motion) {
                 (SpringStiffness::Constant(k), Motion::Translation) => {
                     format!("{} {} N/um", s.label, (k * 1e-2).round() * 1e-4)
@@ -112,10 +125,26 @@ fn describe_joints(out: &mut String, machine: &Machine, centroids: &[Vec<[f64; 3
             joint.name,
             side(joint.between[1]),
             side(joint.between[0]),
-            springs.join(", ")
+            springs.into_iter().chain(joint.contact.map(contact)).collect::<Vec<_>>().join(", ")
         )?;
     }
     Ok(())
+}
+
+/// A joint's nonlinear law in words.
+fn contact(law: Contact) -> String {
+    match law {
+        Contact::Backlash(gap) => format!("backlash {:.3} um", gap * 1e6),
+        Contact::Friction(f) if f.breakaway > f.coulomb => {
+            format!(
+                "friction {} N, breakaway {} N, Stribeck speed {:.3} mm/s",
+                f.coulomb,
+                f.breakaway,
+                f.stribeck * 1e3
+            )
+        }
+        Contact::Friction(f) => format!("friction {} N", f.coulomb),
+    }
 }
 
 fn describe_axis(out: &mut String, machine: &Machine) -> Result<()> {

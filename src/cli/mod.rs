@@ -20,6 +20,9 @@ mod progress;
 mod record;
 mod report;
 mod run;
+mod simulate;
+mod simulate_files;
+mod states;
 mod summary;
 mod sweep;
 mod sweep_figures;
@@ -40,6 +43,7 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, MachineError, bundled_vertical_mill};
 use stiffmap::mesh::MeshError;
 use stiffmap::pipeline::PipelineError;
+use stiffmap::response::ResponseError;
 use stiffmap::sweep::{StudyError, SweepError, TableError};
 
 /// Dynamic stiffness of a machine tool over its whole work volume.
@@ -54,6 +58,8 @@ pub struct Cli {
 enum Command {
     /// The main job: from the machine file to modes, state space, compliance map and pictures
     Run(run::Arguments),
+    /// Time histories: forces in, motions out, at fixed positions or along a path
+    Simulate(Box<simulate::Arguments>),
     /// Evaluate the designs of a study: a table with one row a design
     Sweep(sweep::Arguments),
     /// Look for the best design of a study under its bounds
@@ -105,6 +111,7 @@ pub struct UsageError(pub String);
 pub fn execute(cli: Cli, interrupt: &Interrupt) -> Result<()> {
     match cli.command {
         Command::Run(arguments) => run::run(&arguments, interrupt),
+        Command::Simulate(arguments) => simulate::simulate(&arguments, interrupt),
         Command::Sweep(arguments) => sweep::sweep(&arguments, interrupt),
         Command::Optimise(arguments) => optimise::optimise(&arguments, interrupt),
         Command::Check(arguments) => check::check(&arguments),
@@ -133,6 +140,7 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error.downcast_ref::<SweepError>().is_some_and(is_design_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
         || matches!(error.downcast_ref(), Some(ReportError::NoDatabase { .. } | ReportError::Missing { .. }))
+        || error.downcast_ref::<ResponseError>().is_some_and(ResponseError::is_input)
         || match (error.downcast_ref::<FrfError>(), error.downcast_ref::<GpuError>()) {
             (Some(e), _) | (_, Some(GpuError::Request(e))) => {
                 !matches!(e, FrfError::Sink { .. } | FrfError::Truncation { .. })

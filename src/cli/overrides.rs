@@ -24,6 +24,11 @@ pub struct Overrides {
 }
 
 impl Overrides {
+    /// Whether positions were given.
+    pub fn gives_positions(&self) -> bool {
+        self.positions.is_some()
+    }
+
     /// Puts the values into the machine and returns the positions.
     pub fn apply(&self, machine: &mut Machine) -> Result<Vec<f64>, UsageError> {
         if let Some(text) = &self.frequencies {

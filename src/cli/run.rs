@@ -5,14 +5,14 @@ use super::memory::{map_limit, parse_size};
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{Look, write_report};
+use super::states::StateArguments;
 use super::{UsageError, cache_folder, frequencies, machine_path, record, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use stiffmap::export::manifest::{Check, Manifest};
-use stiffmap::export::{eigenfrequencies, mat, mat5};
+use stiffmap::export::{eigenfrequencies, mat5};
 use stiffmap::frf::metrics::PairMetrics;
 use stiffmap::frf::{FrfRequest, ModalSystem, Selection, Truncation, modal_systems};
 use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision};
@@ -21,7 +21,7 @@ use stiffmap::machine::{Machine, read_machine};
 use stiffmap::modal::{ModeTableRow, mode_table};
 use stiffmap::pipeline::{self, PipelineError, Solved};
 use stiffmap::reduction::Cache;
-use stiffmap::state_space::{StateSpaceOptions, state_space};
+use stiffmap::state_space::StateSpaceOptions;
 
 /// Tolerance of the truncation, relative to the Frobenius norm of the receptance.
 const TRUNCATION: f64 = 1e-4;
@@ -35,6 +35,8 @@ pub struct Arguments {
     /// Leave the constant residual out; sums exactly the state space's modes
     #[arg(long)]
     pub(super) no_residual: bool,
+    #[command(flatten)]
+    states: StateArguments,
     /// What computes the map: auto, cpu or gpu
     #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu", value_parser = parse_backend)]
     backend: Backend,
@@ -88,6 +90,7 @@ pub struct Outcome {
 
 /// Runs the main job.
 pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
+    arguments.states.check()?;
     let mut progress = Progress::new(arguments.json);
     let (path, _bundled) = machine_path(arguments.machine.as_deref())?;
     let mut machine = read_machine(&path)?;
@@ -202,8 +205,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         out,
     };
     record::extrema(&mut manifest, &outcome);
-    let states =
-        StateSpaceOptions { modes: reported, velocity: false, acceleration: false, residual: !arguments.no_residual };
+    let states = arguments.states.options(reported, !arguments.no_residual);
     let look = Look { systems: &systems, model: &model, superelements: &superelements };
     write(&outcome, &look, states, arguments, &mut progress, &mut manifest, interrupt)?;
     if arguments.json {
@@ -255,9 +257,8 @@ fn write(
         eigenfrequencies::write_families(&out.join("eigenfrequencies.csv"), &outcome.solved.families)?;
         eigenfrequencies::write_mode_table(&out.join("mode_table.csv"), &outcome.table)?;
         go_on()?;
-        let modes = &outcome.solved.modes;
-        let state = |i: usize| Cow::Owned(state_space(&modes[i], states));
-        mat::write_state_spaces(&out.join("state_space.mat"), modes.len(), &state, &axes.outputs, &axes.inputs)?;
+        let names = (&axes.outputs[..], &axes.inputs[..]);
+        arguments.states.write(&out.join("state_space.mat"), &outcome.solved.modes, states, names, manifest)?;
         go_on()?;
         files.extend(["eigenfrequencies.csv", "mode_table.csv", "state_space.mat"].map(String::from));
         files.extend(outcome.map.write(out)?);
@@ -306,7 +307,7 @@ pub(super) fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFil
     machine.parts.iter().zip(meshes).flat_map(of_part).collect()
 }
 
-fn figure(name: &str, figure: f64, bound: f64) -> Check {
+pub(super) fn figure(name: &str, figure: f64, bound: f64) -> Check {
     Check { name: name.into(), figure, bound, passed: figure <= bound }
 }
 

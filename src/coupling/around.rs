@@ -12,17 +12,30 @@
 
 use super::basis::{inertia_columns, stiffness_axes};
 use super::{AtPosition, CoupledModel, CouplingError};
-use crate::linalg::{LinalgError, multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
+use crate::linalg::{LinalgError, SymmetricEigen, multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Modes of the base up to this multiple of the wanted frequency are kept.
-const BAND: f64 = 1.5;
-/// Inertia that may be cut, as in [`super::BasisOptions`].
+/// How much of the base is kept.
 ///
-/// With 1.5 and 5e-3 the bundled mill has 113 coordinates around a base, and 30 frequencies of designs between 0.3
-/// and 3 times the nominal stiffness keep 1e-6; with 2 and 1.5e-3 it has 144 and they keep 5e-7.
-const TOLERANCE: f64 = 5e-3;
+/// On the bundled mill to 900 Hz, for designs between 0.3 and 3 times the nominal stiffness:
+///
+/// | band | tolerance | coordinates | frequencies keep |
+/// |---|---|---|---|
+/// | 2 | 1.5e-3 | 144 | 5e-7 |
+/// | 1.5 | 5e-3 | 113 | 1e-6 |
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AroundOptions {
+    /// Modes of the base up to this multiple of the wanted frequency.
+    pub band: f64,
+    /// Inertia that may be cut, as in [`super::BasisOptions`].
+    pub tolerance: f64,
+}
+
+impl AroundOptions {
+    /// For eigenfrequencies and metrics of designs.
+    pub const DESIGNS: Self = Self { band: 1.5, tolerance: 5e-3 };
+}
 
 /// The machine at one position around a base design, for designs that change some of its springs.
 #[derive(Clone, Debug)]
@@ -87,6 +100,7 @@ impl Above {
         eigenvalues: Vec<f64>,
         wanted: &[(usize, f64)],
         omega_squared: f64,
+        tolerance: f64,
     ) -> Result<Self, LinalgError> {
         let mut columns = Vec::new();
         for &(row, flexibility) in wanted {
@@ -97,7 +111,7 @@ impl Above {
             let directions = DMatrix::zeros(eigenvalues.len(), 0);
             return Ok(Self { rows, eigenvalues, directions, kept: DVector::zeros(0) });
         }
-        let span = orthonormal_span(&DMatrix::from_columns(&columns), TOLERANCE)?;
+        let span = orthonormal_span(&DMatrix::from_columns(&columns), tolerance)?;
         let (directions, kept) = stiffness_axes(&span, &eigenvalues)?;
         Ok(Self { rows, eigenvalues, directions, kept })
     }
@@ -124,7 +138,7 @@ impl CoupledModel {
     /// [`CouplingError::Basis`] if an eigenproblem fails.
     ///
     /// # Accuracy
-    /// Exact at the base but for the inertia that is cut above 1.5 times the frequency.
+    /// Exact at the base but for the inertia that is cut above 1.5 times the frequency ([`AroundOptions::DESIGNS`]).
     pub fn around(
         &self,
         at: &AtPosition,
@@ -132,10 +146,26 @@ impl CoupledModel {
         varied: &[usize],
         frequency: f64,
     ) -> Result<Around, CouplingError> {
+        let eigen = symmetric_eigen(&self.coupled(at, base).stiffness)?;
+        self.around_modes(at, base, &eigen, varied, frequency, AroundOptions::DESIGNS)
+    }
+
+    /// The same from all modes of the base in the fixed basis, mass-normalised and ascending.
+    ///
+    /// # Errors
+    /// As [`Self::around`].
+    pub fn around_modes(
+        &self,
+        at: &AtPosition,
+        base: &[f64],
+        eigen: &SymmetricEigen,
+        varied: &[usize],
+        frequency: f64,
+        options: AroundOptions,
+    ) -> Result<Around, CouplingError> {
         let (s, o) = (at.springs.nrows(), at.outputs.nrows());
         let coupled = self.coupled(at, base);
-        let eigen = symmetric_eigen(&coupled.stiffness)?;
-        let edge = (TAU * BAND * frequency).powi(2);
+        let edge = (TAU * options.band * frequency).powi(2);
         let low = eigen.values.iter().take_while(|l| **l <= edge).count();
         let rows = stacked(&[&coupled.elongations, &coupled.outputs, &coupled.inputs]);
         let modal = multiply(&rows, &eigen.vectors);
@@ -143,8 +173,9 @@ impl CoupledModel {
         let stiffest = |spring: usize| if base[spring] > 0.0 { 1.0 / (self.stiffest * base[spring]) } else { 0.0 };
         let wanted: Vec<(usize, f64)> =
             varied.iter().map(|&v| (v, stiffest(v))).chain((s..rows.nrows()).map(|r| (r, 0.0))).collect();
-        let above =
-            Above::new(modal.columns_range(low..).into_owned(), eigenvalues, &wanted, (TAU * frequency).powi(2))?;
+        let omega_squared = (TAU * frequency).powi(2);
+        let rows = modal.columns_range(low..).into_owned();
+        let above = Above::new(rows, eigenvalues, &wanted, omega_squared, options.tolerance)?;
 
         let kept = beside(&modal.columns(0, low).into_owned(), &multiply(&above.rows, &above.directions));
         let to_springs = at.residual.columns(0, s).into_owned();

@@ -1,7 +1,7 @@
 //! One joint in reduced coordinates: its rows and stiffness at any position.
 
 use super::CouplingError;
-use crate::machine::{Axis, JointKind, Motion, ScrewSupport, SpringStiffness};
+use crate::machine::{Axis, Contact, JointKind, Motion, ScrewSupport, SpringStiffness};
 use crate::reduction::{LEAST_SHARE, ReducedInterface, ReducedRail};
 use crate::solid::rotation_arm;
 use nalgebra::{DMatrix, RowDVector};
@@ -32,6 +32,8 @@ pub struct CoupledJoint {
     pub springs: Vec<CoupledSpring>,
     /// Structural loss factor, if it has its own.
     pub loss_factor: Option<f64>,
+    /// What the time response adds to the springs.
+    pub contact: Option<Contact>,
     /// The common point in the drawn pose, m; it travels with side 1.
     pub point: [f64; 3],
     pub(super) sides: [Side; 2],

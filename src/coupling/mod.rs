@@ -23,7 +23,7 @@ mod side_by_side;
 mod training;
 mod unreduced;
 
-pub use around::{Around, AroundCoupled};
+pub use around::{Around, AroundCoupled, AroundOptions};
 pub use assembled::{Assembled, AssembledRow, assembled};
 pub use basis::{BasisOptions, ResidualEnergy};
 pub use fixed_position::at_fixed_position;

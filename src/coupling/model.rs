@@ -186,6 +186,20 @@ impl CoupledModel {
         self.side_by_side.stiffness(position)
     }
 
+    /// What the springs are at a position.
+    ///
+    /// # Errors
+    /// [`CouplingError::ScrewLength`].
+    pub fn springs(&self, position: f64) -> Result<SpringValues, CouplingError> {
+        let stiffness = self.stiffness(position)?;
+        let each = |j: &CoupledJoint| {
+            let loss = j.loss_factor.unwrap_or(0.0);
+            j.springs.iter().map(|s| (s.damping, loss)).collect::<Vec<_>>()
+        };
+        let (damping, loss_factors) = self.joints().iter().flat_map(each).unzip();
+        Ok(SpringValues { stiffness, damping, loss_factors })
+    }
+
     /// What a machine with other springs, dampers and loss factors than the coupled one gives the springs at a position.
     ///
     /// # Errors

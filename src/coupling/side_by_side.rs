@@ -79,6 +79,7 @@ impl SideBySide {
                     })
                     .collect(),
                 loss_factor: joint.loss_factor,
+                contact: joint.contact,
                 point: match joint.at {
                     JointPoint::Point(x) => x,
                     JointPoint::Centroid(side) => centroids[side],

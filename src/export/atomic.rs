@@ -130,7 +130,7 @@ pub fn io(path: &Path, action: &'static str) -> impl Fn(std::io::Error) -> Expor
     move |source| ExportError::Io { path: path.to_path_buf(), action, source }
 }
 
-/// A hidden temporary beside the file, `.compliance.mat.XXXXXX.tmp`, with ordinary permissions.
+/// A hidden temporary beside the file, `.compliance.mat.<random>.tmp`, with ordinary permissions.
 fn temporary_beside(path: &Path, folder: &Path) -> Result<tempfile::NamedTempFile, ExportError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let prefix = format!(".{name}.");

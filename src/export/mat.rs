@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::mat5::{self, Value};
 use super::{ExportError, finite, length, npy, response};
 use crate::frf::{ComplianceMap, FrfRequest};
-use crate::state_space::StateSpace;
+use crate::state_space::{Aligned, Database, Hold, StateSpace, StateSpaceOptions};
 
 /// Columns of the transposition that one task takes: a row of them fills whole cache lines.
 const BLOCK: usize = 16;
@@ -106,10 +106,45 @@ pub fn write_state_space(
     outputs: &[String],
     inputs: &[String],
 ) -> Result<(), ExportError> {
-    write_state_spaces(path, states.len(), &|i| Cow::Borrowed(&states[i]), outputs, inputs)
+    write_states(path, states.len(), &|i| Cow::Borrowed(&states[i]), outputs, inputs, Vec::new())
 }
 
-/// As [`write_state_space`], with `states` making each of `count` systems when it is written, in the memory of one.
+/// What the rows and columns of state spaces are, and whether time is discrete.
+#[derive(Clone, Copy, Debug)]
+pub struct StateLabels<'a> {
+    /// Names of the outputs.
+    pub outputs: &'a [String],
+    /// Names of the inputs.
+    pub inputs: &'a [String],
+    /// Which rows there are.
+    pub options: StateSpaceOptions,
+    /// Sample time (s) and hold of systems that are discretised.
+    pub discrete: Option<(f64, Hold)>,
+}
+
+impl StateLabels<'_> {
+    fn variables(&self) -> Vec<(&'static str, Value<'static>)> {
+        let quantities =
+            [("displacement", true), ("velocity", self.options.velocity), ("acceleration", self.options.acceleration)];
+        let given = quantities.into_iter().filter(|(_, is_given)| *is_given);
+        let rows: Vec<String> = given.flat_map(|(q, _)| self.outputs.iter().map(move |o| format!("{q} {o}"))).collect();
+        let rows = rows.into_iter().map(|row| Value::Text(Cow::Owned(row))).collect::<Vec<_>>();
+        let (sample_time, hold) = self.discrete.map_or((0.0, ""), |(time, hold)| (time, hold.name()));
+        vec![
+            ("sample_time", Value::scalar(sample_time)),
+            ("hold", Value::Text(Cow::Borrowed(hold))),
+            ("rows", Value::Cell { dims: vec![rows.len(), 1], values: rows }),
+        ]
+    }
+}
+
+/// Writes what [`write_state_space`] writes, `states` making each of `count` systems when it is written, in the memory
+/// of one, and
+///
+/// | variable | content |
+/// |---|---|
+/// | `sample_time`, `hold` | s and `zero` or `first` for discretised states; 0 and an empty text for continuous ones |
+/// | `rows` | cell column: quantity and output of each row of C and D |
 ///
 /// # Errors
 /// As [`write_state_space`].
@@ -117,8 +152,64 @@ pub fn write_state_spaces<'s>(
     path: &Path,
     count: usize,
     states: &dyn Fn(usize) -> Cow<'s, StateSpace>,
+    labels: &StateLabels<'_>,
+) -> Result<(), ExportError> {
+    write_states(path, count, states, labels.outputs, labels.inputs, labels.variables())
+}
+
+/// Writes what [`write_state_spaces`] writes, of a whole database, and
+///
+/// | variable | content |
+/// |---|---|
+/// | `aligned` | struct of arrays over the positions that may be interpolated entry by entry: `position`, `stiffness`, `damping` (n_position x n x n), `inputs`, `outputs`, `compliance` |
+/// | `leave_one_out` | n_position x 1, share of the peak when a position is interpolated from the others; NaN at the ends |
+///
+/// `states` of the database are written as they are: discretise them before, and say how in `discrete`.
+///
+/// # Errors
+/// As [`write_state_space`].
+pub fn write_database(
+    path: &Path,
+    database: &Database,
     outputs: &[String],
     inputs: &[String],
+    discrete: Option<(f64, Hold)>,
+) -> Result<(), ExportError> {
+    let mut variables = StateLabels { outputs, inputs, options: database.options, discrete }.variables();
+    let aligned = &database.aligned;
+    let positions: Vec<f64> = aligned.iter().map(|a| a.position).collect();
+    let stacked = |what: &str, of: fn(&Aligned) -> &DMatrix<f64>| {
+        let (n, m) = aligned.first().map_or((0, 0), |a| of(a).shape());
+        for a in aligned {
+            length(path, &format!("aligned {what} at {} m", a.position), of(a).len(), n * m)?;
+            check_axis(path, &format!("aligned {what} at {} m", a.position), of(a).as_slice())?;
+        }
+        let data = (0..n * m).flat_map(|k| aligned.iter().map(move |a| of(a).as_slice()[k])).collect::<Vec<_>>();
+        Ok(Value::Real { dims: vec![aligned.len(), n, m], data: data.into() })
+    };
+    let fields = vec!["position", "stiffness", "damping", "inputs", "outputs", "compliance"];
+    let values = vec![
+        Value::Real { dims: vec![positions.len(), 1], data: positions.into() },
+        stacked("stiffness", |a| &a.stiffness)?,
+        stacked("damping", |a| &a.damping)?,
+        stacked("inputs", |a| &a.inputs)?,
+        stacked("outputs", |a| &a.outputs)?,
+        stacked("compliance", |a| &a.compliance)?,
+    ];
+    let figures: Vec<f64> = database.leave_one_out.iter().map(|f| f.unwrap_or(f64::NAN)).collect();
+    variables.push(("aligned", Value::Structs { fields, values: vec![values] }));
+    variables.push(("leave_one_out", Value::Real { dims: vec![figures.len(), 1], data: figures.into() }));
+    let states = |i: usize| Cow::Borrowed(&database.states[i]);
+    write_states(path, database.states.len(), &states, outputs, inputs, variables)
+}
+
+fn write_states<'s>(
+    path: &Path,
+    count: usize,
+    states: &dyn Fn(usize) -> Cow<'s, StateSpace>,
+    outputs: &[String],
+    inputs: &[String],
+    more: Vec<(&'static str, Value<'_>)>,
 ) -> Result<(), ExportError> {
     let visit = |i: usize, visitor: &mut mat5::Visitor<'_>| {
         let s = states(i);
@@ -141,7 +232,8 @@ pub fn write_state_spaces<'s>(
         fields: vec!["position", "input", "displacement", "velocity", "acceleration", "eigenvalues"],
         values: vec![vec![text("m"), text("N"), text("m"), text("m/s"), text("m/s^2"), text("(rad/s)^2")]],
     };
-    let variables = [("inputs", Value::names(inputs)), ("outputs", Value::names(outputs)), ("units", units)];
+    let mut variables = vec![("inputs", Value::names(inputs)), ("outputs", Value::names(outputs)), ("units", units)];
+    variables.extend(more);
     mat5::write_structs(path, &structs, &variables)
 }
 

@@ -11,7 +11,8 @@
 //! | `mode_table.csv` | [`ModeTableRow`](crate::modal::ModeTableRow) | [`eigenfrequencies::write_mode_table`] |
 //! | `compliance.mat` | [`ComplianceMap`](crate::frf::ComplianceMap) | [`mat::write_compliance`] |
 //! | `compliance.npy` | the tiles of a map | [`stream::MapStream`] |
-//! | `state_space.mat` | [`StateSpace`](crate::state_space::StateSpace) | [`mat::write_state_space`] |
+//! | `state_space.mat` | [`Database`](crate::state_space::Database) | [`mat::write_database`] |
+//! | `time_history.csv`, `.mat` | [`History`](crate::response::History) | [`history::write_csv`], [`history::write_mat`] |
 //! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`], [`stream::MapStream`] |
 //! | `surface_<out><in>.vts` | one response of a map | [`vts::write_surface`] |
 //! | `mode_shapes_<axis>_<mm>_mm.vtu` | shapes at a position | [`vtu::write_mode_shapes`] |
@@ -22,6 +23,7 @@ pub(crate) mod base64;
 pub mod deck;
 mod digits;
 pub mod eigenfrequencies;
+pub mod history;
 pub mod manifest;
 pub mod mat;
 pub mod mat5;

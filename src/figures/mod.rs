@@ -7,6 +7,7 @@
 //! | `impulse_frequency.png` | their spectrum over that of the push | figure 10 |
 //! | `frf_<label>_amplitude.png` | magnitude as a surface over position and frequency | figures 11 to 13 |
 //! | `frf_<label>_frequency.png` | logarithm of the magnitude as a map, position against frequency | figures 14 to 16 |
+//! | `time_history.png`, `spectrum.png` | displacements over time, magnitudes over frequency, a curve an output | figures 9, 10 |
 //!
 //! The paper turns its surface until the shift of the peaks in frequency can be seen; the map
 //! shows the same without hiding anything, in the axes of figure 8. Where the map has a single
@@ -25,14 +26,13 @@ mod eigenfrequencies;
 mod field;
 mod frame;
 mod frequency_view;
+mod history;
 mod impulse;
 pub mod report;
 mod scale;
 pub mod sweep;
 mod text;
 mod vector;
-
-pub use impulse::{ImpulseInput, PULSE, draw_impulse, pulse_response};
 
 use std::path::{Path, PathBuf};
 
@@ -42,8 +42,12 @@ use crate::export::response::{Response, direct_responses};
 use crate::export::{ExportError, atomic};
 use crate::frf::{ComplianceMap, FrfError};
 use crate::modal::ModeFamilies;
+use crate::response::ResponseError;
 use canvas::Canvas;
 use field::Field;
+
+pub use history::{draw_history, draw_spectrum};
+pub use impulse::{ImpulseInput, draw_impulse};
 
 /// What the height of the amplitude view is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -106,6 +110,9 @@ pub enum FigureError {
     /// A spectrum could not be computed.
     #[error(transparent)]
     Frf(FrfError),
+    /// A time history could not be computed.
+    #[error(transparent)]
+    Response(ResponseError),
     /// The file could not be written.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -151,6 +158,37 @@ fn write_both(path: &Path, canvas: &Canvas) -> Result<[PathBuf; 2], FigureError>
     Ok([path.into(), vector])
 }
 
+/// Draws the surfaces of all outputs for the map's first input, in both views, `frf_<output>_amplitude.png`
+/// and `frf_<output>_frequency.png`, with an SVG beside each; returns their paths.
+///
+/// # Errors
+/// As [`draw_all`].
+pub fn draw_surfaces(
+    machine: &str,
+    axis: &str,
+    map: &ComplianceMap,
+    height: HeightScale,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, FigureError> {
+    let safe = |name: &str| name.replace(|c: char| !(c.is_alphanumeric() || c == '-'), "_");
+    let responses: Vec<Response> = (map.outputs.iter().enumerate())
+        .map(|(output, name)| Response { output, input: 0, label: safe(name) })
+        .collect();
+    let pictures: Vec<(&Response, bool)> = responses.iter().flat_map(|r| [(r, true), (r, false)]).collect();
+    pictures
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|(response, amplitude)| {
+            let view = if amplitude { "amplitude" } else { "frequency" };
+            let name = format!("frf_{}_{view}.png", response.label);
+            let path = folder.join(&name);
+            let canvas = draw_response(machine, axis, map, height, response, amplitude, &name)?;
+            write_both(&path, &canvas)
+        })
+        .collect::<Result<Vec<_>, _>>()
+        .map(|files| files.into_iter().flatten().collect())
+}
+
 fn draw(input: &FigureInput, picture: &Picture, name: &str) -> Result<Canvas, FigureError> {
     let (response, amplitude) = match picture {
         Picture::Eigenfrequencies => {
@@ -159,14 +197,27 @@ fn draw(input: &FigureInput, picture: &Picture, name: &str) -> Result<Canvas, Fi
         Picture::Amplitude(response) => (response, true),
         Picture::Frequency(response) => (response, false),
     };
-    let field = Field::new(name, input.map, response)?;
-    let heading = format!("{}: {}", input.machine, field.title);
+    draw_response(input.machine, input.axis, input.map, input.height, response, amplitude, name)
+}
+
+/// One response in one view; a curve where the map has one position or frequency.
+fn draw_response(
+    machine: &str,
+    axis: &str,
+    map: &ComplianceMap,
+    height: HeightScale,
+    response: &Response,
+    amplitude: bool,
+    name: &str,
+) -> Result<Canvas, FigureError> {
+    let field = Field::new(name, map, response)?;
+    let heading = format!("{machine}: {}", field.title);
     Ok(if field.positions.len() == 1 || field.frequencies.len() == 1 {
-        curve::draw(&heading, input.axis, &field, !amplitude)
+        curve::draw(&heading, axis, &field, !amplitude)
     } else if amplitude {
-        amplitude_view::draw(&heading, input.axis, &field, input.height)
+        amplitude_view::draw(&heading, axis, &field, height)
     } else {
-        frequency_view::draw(&heading, input.axis, &field)
+        frequency_view::draw(&heading, axis, &field)
     })
 }
 

@@ -41,6 +41,13 @@ const SPARE: usize = 4;
 /// Passes that look for the shift, and the modes that each looks at.
 const PASSES: usize = 6;
 const SCOUTS: usize = 8;
+/// Vectors a step of the iteration: at first, as many as a free body has rigid motions; while modes are
+/// missed (several loose bodies, an element of high symmetry) twice as many, up to the widest, and twice
+/// the spare modes.
+const BLOCK: usize = 6;
+const WIDEST: usize = 96;
+/// Eigenvalues further apart than this share are not of one multiple root.
+const DISTINCT: f64 = 1e-6;
 /// An eigenvalue below this share of the first elastic one is a rigid motion.
 const RIGID: f64 = 1e-5;
 
@@ -66,10 +73,10 @@ pub fn shift_invert_modes(
     if wanted == 0 || !largest.is_finite() || largest <= 0.0 {
         return Err(LinalgError::Eigen { n });
     }
-    let solve = |shift: f64, modes: usize, tolerance: f64| -> Result<Spectrum, LinalgError> {
+    let solve = |shift: f64, modes: usize, block: usize, tolerance: f64| -> Result<Spectrum, LinalgError> {
         let factor = Cholesky::new(&stiffness.plus_scaled(shift, mass), ordering)?;
         let inverse = |load: &DMatrix<f64>| factor.solve(load);
-        let options = LanczosOptions { modes: modes.min(n), block: 6.min(n), tolerance, interrupt };
+        let options = LanczosOptions { modes: modes.min(n), block: block.min(n), tolerance, interrupt };
         let mut spectrum = lowest_modes(mass, &inverse, options)?;
         spectrum.eigenvalues.iter_mut().for_each(|l| *l -= shift);
         Ok(spectrum)
@@ -79,7 +86,7 @@ pub fn shift_invert_modes(
     let first_elastic = |values: &[f64], shift: f64| values.iter().copied().find(|l| *l > 1e-4 * shift && *l > noise);
     let mut shift = 1e-7 * largest;
     for _ in 0..PASSES {
-        let values = solve(shift, SCOUTS, 1e-4)?.eigenvalues;
+        let values = solve(shift, SCOUTS, BLOCK, 1e-4)?.eigenvalues;
         match first_elastic(&values, shift) {
             Some(first) if (0.05..=20.0).contains(&(shift / first)) => break,
             Some(first) => shift = first,
@@ -87,27 +94,40 @@ pub fn shift_invert_modes(
             None => shift *= 10.0,
         }
     }
-    let Spectrum { eigenvalues, shapes, residual } = solve(shift, wanted + SPARE, 1e-9)?;
-    let first = first_elastic(&eigenvalues, shift).unwrap_or(shift);
-    let zero = (RIGID * first).max(noise).min(1e-2 * first);
-    let rigid = eigenvalues.iter().filter(|l| l.abs() < zero).count();
-    let found = FreeSpectrum { eigenvalues, shapes, rigid, residual, counted: 0, counted_below: 0.0 };
-    count(found, stiffness, mass, ordering, wanted)
+    let (mut block, mut spare) = (BLOCK, SPARE);
+    loop {
+        let Spectrum { eigenvalues, shapes, residual } = solve(shift, wanted + spare, block, 1e-9)?;
+        let first = first_elastic(&eigenvalues, shift).unwrap_or(shift);
+        let zero = (RIGID * first).max(noise).min(1e-2 * first);
+        let rigid = eigenvalues.iter().filter(|l| l.abs() < zero).count();
+        let found = FreeSpectrum { eigenvalues, shapes, rigid, residual, counted: 0, counted_below: 0.0 };
+        match count(found, stiffness, mass, ordering, wanted, zero) {
+            // A block sees no more members of a multiple root than it has vectors, and behind the root
+            // there must be another for a gap.
+            Err(LinalgError::ModesMissed { .. }) if block < WIDEST.min(2 * n) => {
+                (block, spare) = (2 * block, 2 * spare)
+            }
+            counted => return counted,
+        }
+    }
 }
 
-/// Cuts the spare modes off and counts those below the widest gap behind the wanted ones.
+/// Cuts the spare modes off and counts those below the widest gap behind the wanted ones; eigenvalues
+/// below `zero` are rigid motions.
 fn count(
     mut found: FreeSpectrum,
     stiffness: &SparseSymmetric,
     mass: &SparseSymmetric,
     ordering: &Ordering,
     wanted: usize,
+    zero: f64,
 ) -> Result<FreeSpectrum, LinalgError> {
     let values = &found.eigenvalues;
     let last = values.len();
-    let gap = |k: usize| (values[k] - values[k - 1]) / values[k].abs().max(values[k - 1].abs());
-    // Of a body with fewer unknowns than modes there is nothing behind the last.
-    let cut = (wanted..last).max_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(last);
+    let gap = |k: usize| (values[k] - values[k - 1]) / values[k].abs().max(values[k - 1].abs()).max(zero);
+    let widest = (wanted..last).max_by(|&a, &b| gap(a).total_cmp(&gap(b)));
+    // Of a body with fewer unknowns than modes there may be nothing behind the last.
+    let cut = widest.filter(|&k| last < stiffness.n() || gap(k) > DISTINCT).unwrap_or(last);
     let sigma = if cut < last { 0.5 * (values[cut - 1] + values[cut]) } else { 2.0 * values[last - 1].abs() };
     let counted = Indefinite::new(&stiffness.plus_scaled(-sigma, mass), ordering)?.negative_eigenvalues();
     // Massless combinations have no finite frequency: a body with few unknowns may have fewer modes.

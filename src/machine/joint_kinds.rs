@@ -1,10 +1,13 @@
 //! The kinds of joint, each from the keys of its own.
 
 use super::axis::{are_parallel, read_direction, read_point};
+use super::contact::{read_backlash, read_friction};
 use super::error::MachineError;
 use super::interfaces::read_interface_ref;
 use super::joints::{Surroundings, read_between};
-use super::model::{Joint, JointKind, JointPoint, Motion, ScrewSupport, Spring, SpringStiffness, SurfaceCoupling};
+use super::model::{
+    Contact, Joint, JointKind, JointPoint, Motion, ScrewSupport, Spring, SpringStiffness, SurfaceCoupling,
+};
 use super::quantity::Dimension;
 use super::springs::{Way, global_ways, read_damper, read_single_spring, read_springs};
 use super::table::{Bound, Table};
@@ -13,7 +16,7 @@ type Result<T> = std::result::Result<T, MachineError>;
 
 /// A joint of this kind, whose name and loss factor the caller fills in.
 fn joint(kind: JointKind, between: [super::model::InterfaceRef; 2], at: JointPoint, springs: Vec<Spring>) -> Joint {
-    Joint { name: String::new(), kind, between, footprint: None, at, springs, loss_factor: None }
+    Joint { name: String::new(), kind, between, footprint: None, at, springs, loss_factor: None, contact: None }
 }
 
 /// A carriage on a rail: springs at the centroid of the carriage's surface.
@@ -42,8 +45,17 @@ pub(super) fn read_linear_guide(table: &Table<'_>, around: &Surroundings<'_>) ->
             "remove it: a guide slides freely; what holds the position is the ball screw",
         ));
     }
+    let friction = table.get("friction").map(|item| read_friction(&item)).transpose()?;
+    let along = friction.map(|_| travel_row(around.axis.direction));
+    let springs = springs.into_iter().chain(along).collect();
     let joint = joint(JointKind::LinearGuide, [rail, carriage], JointPoint::Centroid(1), springs);
-    Ok(Joint { footprint: Some(footprint), ..joint })
+    Ok(Joint { footprint: Some(footprint), contact: friction.map(Contact::Friction), ..joint })
+}
+
+/// A spring of no stiffness along the travel, whose motion is what friction sees.
+fn travel_row(direction: [f64; 3]) -> Spring {
+    let stiffness = SpringStiffness::Constant(0.0);
+    Spring { motion: Motion::Translation, direction, stiffness, damping: 0.0, label: "travel".to_owned() }
 }
 
 /// A bearing: `radial` in two perpendicular directions, `axial` along its axis, at a point of it.
@@ -84,7 +96,9 @@ pub(super) fn read_ball_screw(table: &Table<'_>, around: &Surroundings<'_>) -> R
         damping: damping.unwrap_or(0.0),
         label: "axial".to_owned(),
     };
-    Ok(joint(JointKind::BallScrew, between, JointPoint::Centroid(1), vec![spring]))
+    let contact = table.get("backlash").map(|item| read_backlash(&item)).transpose()?;
+    let joint = joint(JointKind::BallScrew, between, JointPoint::Centroid(1), vec![spring]);
+    Ok(Joint { contact, ..joint })
 }
 
 /// Which ends of a ball screw are held: `support`, and with both ends `span`.

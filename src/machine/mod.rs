@@ -12,6 +12,7 @@ mod analysis;
 mod analysis_model;
 mod axis;
 mod bundled;
+mod contact;
 mod error;
 mod frequencies;
 mod interfaces;

@@ -207,6 +207,29 @@ pub struct Joint {
     pub springs: Vec<Spring>,
     /// Structural loss factor of the joint, if it has its own.
     pub loss_factor: Option<f64>,
+    /// What the time response adds to the springs; everything linear leaves it out.
+    pub contact: Option<Contact>,
+}
+
+/// A nonlinear law of a joint, which acts in the time response alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Contact {
+    /// Friction along the travel, on the joint's spring of no stiffness labelled `travel`.
+    Friction(Friction),
+    /// Play of a screw: its spring is free over this length, m, symmetric about its rest.
+    Backlash(f64),
+}
+
+/// Friction force F(v) = coulomb + (breakaway - coulomb) exp(-(v / stribeck)^2) against sliding; up to
+/// `breakaway` it holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Force at high speed, N.
+    pub coulomb: f64,
+    /// Force that makes it slide, N, at least `coulomb`.
+    pub breakaway: f64,
+    /// Speed over which the one falls to the other, m/s.
+    pub stribeck: f64,
 }
 
 /// Where a joint's springs act.

@@ -31,6 +31,10 @@ pub enum Dimension {
     InverseTime,
     /// Time, s.
     Time,
+    /// Force, N.
+    Force,
+    /// Speed, m/s.
+    Speed,
     /// A plain number, or per cent.
     Ratio,
 }
@@ -62,6 +66,8 @@ impl Dimension {
             Self::Frequency => ("a frequency", &["Hz", "kHz"], [0, 0, -1, 0, 1]),
             Self::InverseTime => ("an inverse time", &["1/s", "1/ms"], [0, 0, -1, 0, 0]),
             Self::Time => ("a time", &["s", "ms", "us"], [0, 0, 1, 0, 0]),
+            Self::Force => ("a force", &["N", "kN"], [1, 1, -2, 0, 0]),
+            Self::Speed => ("a speed", &["m/s", "mm/s", "um/s"], [1, 0, -1, 0, 0]),
             Self::Ratio => ("a ratio", &["%"], [0, 0, 0, 0, 0]),
         }
     }
@@ -213,6 +219,8 @@ fn name_of(exponents: Exponents) -> &'static str {
         Frequency,
         InverseTime,
         Time,
+        Force,
+        Speed,
         Ratio,
     ]
     .into_iter()

@@ -21,6 +21,10 @@ pub(super) fn describe(model: &CoupledModel, shape: &DVector<f64>) -> String {
     }
     let part = &model.parts[part];
     let impulse = &part.impulses * shape;
+    if impulse.len() < 6 {
+        // Single directions are held: its motions are combinations of the six.
+        return format!("{} moves as its supports leave it free", part.name);
+    }
     let velocity = Vector3::new(impulse[0], impulse[1], impulse[2]) / part.mass;
     let momentum = Vector3::new(impulse[3], impulse[4], impulse[5]);
     let turn = part.inertia.try_inverse().map_or(Vector3::zeros(), |inverse| inverse * momentum);

@@ -6,7 +6,7 @@ mod solve;
 mod tracking;
 
 pub use convergence::{ConvergenceError, Extrapolation, extrapolate};
-pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at, modes_of};
+pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at};
 pub use tracking::{Tracker, mode_table, track};
 
 use crate::coupling::CouplingError;

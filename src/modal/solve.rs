@@ -1,8 +1,8 @@
 //! Modes of the coupled machine at one position.
 
 use super::{ModalError, free_motion};
-use crate::coupling::{Around, AtPosition, CoupledModel, SpringValues};
-use crate::linalg::{multiply, symmetric_eigen_low, symmetric_eigen_polished};
+use crate::coupling::{Around, CoupledModel, SpringValues};
+use crate::linalg::{SymmetricEigen, multiply, symmetric_eigen_low, symmetric_eigen_polished};
 use crate::machine::Damping;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -88,31 +88,10 @@ impl Modes {
 /// K(p), which the fixed basis bounds.
 pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64, polished: usize) -> Result<Modes, ModalError> {
     let at = model.at(position)?;
-    let stiffness = model.stiffness(position)?;
-    modes_of(model, damping, &at, &stiffness, polished)
-}
-
-/// The same with given spring stiffnesses (N/m or N m/rad), for designs.
-///
-/// # Errors
-/// As [`modes_at`].
-pub fn modes_of(
-    model: &CoupledModel,
-    damping: &Damping,
-    at: &AtPosition,
-    stiffness: &[f64],
-    polished: usize,
-) -> Result<Modes, ModalError> {
-    let position = at.position;
-    let coupled = model.coupled(at, stiffness);
+    let springs = model.springs(position)?;
+    let coupled = model.coupled(&at, &springs.stiffness);
     let eigen = symmetric_eigen_polished(&coupled.stiffness, polished)
         .map_err(|source| ModalError::Eigen { position, source })?;
-    let (eigenvalues, free) = settled(eigen.values.as_slice(), position)?;
-    let joints =
-        model.joints().iter().flat_map(|j| j.springs.iter().map(|s| (s.damping, j.loss_factor.unwrap_or(0.0))));
-    let (dampers, losses) = joints.unzip();
-    let springs = SpringValues { stiffness: stiffness.to_vec(), damping: dampers, loss_factors: losses };
-    let elongations = springs.dissipate().then(|| multiply(&coupled.elongations, &eigen.vectors));
     let parts = model.parts.iter().zip(&at.residual_of_part).filter_map(|(part, residual)| {
         let (Some(eta), Some(k), Some(c)) = (part.loss_factor, &part.stiffness, residual) else { return None };
         let forces = multiply(&coupled.forces, &eigen.vectors);
@@ -120,23 +99,12 @@ pub fn modes_of(
         let in_series = multiply(&c.between_forces, &forces);
         let energy =
             |r: usize| eigen.vectors.column(r).dot(&strain.column(r)) + forces.column(r).dot(&in_series.column(r));
-        Some((eta, (0..eigenvalues.len()).map(energy).collect()))
+        Some((eta, (0..eigen.values.len()).map(energy).collect()))
     });
-    let parts: Vec<(f64, Vec<f64>)> = parts.collect();
-    let (damping_ratios, loss_factors) =
-        modal_damping(damping, &springs, elongations.as_ref(), &parts, &eigenvalues, free);
-    Ok(Modes {
-        position,
-        free,
-        damping_ratios,
-        loss_factors,
-        outputs: multiply(&coupled.outputs, &eigen.vectors),
-        inputs: multiply(&coupled.inputs, &eigen.vectors),
-        direct: coupled.direct,
-        direct_loss_factor: damping.loss_factor,
-        shapes: eigen.vectors,
-        eigenvalues,
-    })
+    let parts = parts.collect();
+    let elongations = &coupled.elongations;
+    let rows = Rows { outputs: &coupled.outputs, inputs: &coupled.inputs, direct: coupled.direct, elongations, parts };
+    rows.modes(position, damping, &springs, eigen)
 }
 
 /// Modes of a design at a position around its base, in that base's coordinates: the k-th entry of a
@@ -159,31 +127,23 @@ pub fn modes_around(
     let design = around.coupled(&springs.stiffness)?;
     let eigen = symmetric_eigen_low(&design.stiffness, (TAU * LOW).powi(2))
         .map_err(|source| ModalError::Eigen { position, source })?;
-    let (eigenvalues, free) = settled(eigen.values.as_slice(), position)?;
-    let elongations = springs.dissipate().then(|| multiply(&around.elongations(&design), &eigen.vectors));
+    let elongations = around.elongations(&design);
     let mut parts = Vec::new();
     for (form, eta) in around.strain_energy.iter().zip(part_losses) {
         if let (Some(form), Some(eta)) = (form, eta) {
-            let tension = multiply(&design.tension, &eigen.vectors);
-            let state = stacked(&eigen.vectors, &tension);
+            let state = stacked(&eigen.vectors, &multiply(&design.tension, &eigen.vectors));
             let forces = multiply(form, &state);
-            parts.push((*eta, (0..eigenvalues.len()).map(|r| state.column(r).dot(&forces.column(r))).collect()));
+            parts.push((*eta, (0..eigen.values.len()).map(|r| state.column(r).dot(&forces.column(r))).collect()));
         }
     }
-    let (damping_ratios, loss_factors) =
-        modal_damping(damping, springs, elongations.as_ref(), &parts, &eigenvalues, free);
-    Ok(Modes {
-        position,
-        free,
-        damping_ratios,
-        loss_factors,
-        outputs: multiply(&design.outputs, &eigen.vectors),
-        inputs: multiply(&design.inputs, &eigen.vectors),
+    let rows = Rows {
+        outputs: &design.outputs,
+        inputs: &design.inputs,
         direct: design.direct,
-        direct_loss_factor: damping.loss_factor,
-        shapes: eigen.vectors,
-        eigenvalues,
-    })
+        elongations: &elongations,
+        parts,
+    };
+    rows.modes(position, damping, springs, eigen)
 }
 
 /// The base's own modes: coordinates that carry inertia above the band count as modes too.
@@ -198,28 +158,58 @@ pub fn base_modes(
     springs: &SpringValues,
     part_losses: &[Option<f64>],
 ) -> Result<Modes, ModalError> {
-    let (eigenvalues, free) = settled(around.eigenvalues.as_slice(), around.position)?;
-    let m = around.n();
+    let (m, s, o) = (around.n(), around.springs.nrows(), around.outputs.nrows());
     let energies = around.strain_energy.iter().zip(part_losses).filter_map(|(form, eta)| {
         let (form, eta) = (form.as_ref()?, (*eta)?);
         Some((eta, (0..m).map(|r| form[(r, r)]).collect::<Vec<f64>>()))
     });
-    let parts: Vec<(f64, Vec<f64>)> = energies.collect();
-    let elongations = springs.dissipate().then_some(&around.springs);
-    let (damping_ratios, loss_factors) = modal_damping(damping, springs, elongations, &parts, &eigenvalues, free);
-    let (s, o) = (around.springs.nrows(), around.outputs.nrows());
-    Ok(Modes {
-        position: around.position,
-        free,
-        damping_ratios,
-        loss_factors,
-        outputs: around.outputs.clone(),
-        inputs: around.inputs.clone(),
+    let rows = Rows {
+        outputs: &around.outputs,
+        inputs: &around.inputs,
         direct: around.residual.view((s, s + o), (o, around.inputs.nrows())).into_owned(),
-        direct_loss_factor: damping.loss_factor,
-        shapes: DMatrix::identity(m, m),
-        eigenvalues,
-    })
+        elongations: &around.springs,
+        parts: energies.collect(),
+    };
+    let eigen = SymmetricEigen { values: around.eigenvalues.clone(), vectors: DMatrix::identity(m, m) };
+    rows.modes(around.position, damping, springs, eigen)
+}
+
+/// What modes need of the coordinates they were solved in.
+struct Rows<'a> {
+    outputs: &'a DMatrix<f64>,
+    inputs: &'a DMatrix<f64>,
+    direct: DMatrix<f64>,
+    /// Elongations of all springs, n_springs x n.
+    elongations: &'a DMatrix<f64>,
+    /// Loss factor of each part that has one, and twice its strain energy in each mode.
+    parts: Vec<(f64, Vec<f64>)>,
+}
+
+impl Rows<'_> {
+    fn modes(
+        self,
+        position: f64,
+        damping: &Damping,
+        springs: &SpringValues,
+        eigen: SymmetricEigen,
+    ) -> Result<Modes, ModalError> {
+        let (eigenvalues, free) = settled(eigen.values.as_slice(), position)?;
+        let elongations = springs.dissipate().then(|| multiply(self.elongations, &eigen.vectors));
+        let (damping_ratios, loss_factors) =
+            modal_damping(damping, springs, elongations.as_ref(), &self.parts, &eigenvalues, free);
+        Ok(Modes {
+            position,
+            free,
+            damping_ratios,
+            loss_factors,
+            outputs: multiply(self.outputs, &eigen.vectors),
+            inputs: multiply(self.inputs, &eigen.vectors),
+            direct: self.direct,
+            direct_loss_factor: damping.loss_factor,
+            shapes: eigen.vectors,
+            eigenvalues,
+        })
+    }
 }
 
 /// Shift of the eigenproblem around a base, Hz: below the machine's modes, above its free motions.

@@ -6,7 +6,7 @@
 
 use super::assembly::{SecondOrder, group_neighbours};
 use super::held::{Held, held};
-use super::numbering::{NodeMap, interface_motions, rigid_nodes};
+use super::numbering::{NodeMap, carry, interface_motions};
 use super::{InterfaceMotion, SolidError, definite};
 use crate::linalg::{SparseBuilder, SparseSymmetric, multiply, multiply_transposed};
 use crate::machine::{Part, SurfaceCoupling};
@@ -83,20 +83,10 @@ fn number(
         if interface.coupling != SurfaceCoupling::Rigid || matches!(nodes, GivenNodes::Point(_)) {
             continue;
         }
-        for node in rigid_nodes(interface, motion, mesh) {
-            if let Some(other) = if held.of(node) != [false; 3] { Some("a clamp or support") } else { owner[node] } {
-                return Err(SolidError::RigidOverlap {
-                    part: part.name.clone(),
-                    interface: interface.name.clone(),
-                    node: mesh.node_labels[node],
-                    other: other.to_string(),
-                });
-            }
-            owner[node] = Some(&interface.name);
-            let arm = Vector3::from(mesh.nodes[node]) - Vector3::from(motion.centroid);
-            maps[node] = NodeMap::Rigid(n_dof, arm.into());
+        carry(part, interface, motion, mesh, held, &mut owner, |node, arm| {
+            maps[node] = NodeMap::Rigid(n_dof, arm);
             maps[n_nodes + node] = NodeMap::RigidTurn(n_dof);
-        }
+        })?;
         rigid.push((n_dof, motion.centroid));
         groups.push((n_dof..n_dof + 6).collect());
         n_dof += 6;

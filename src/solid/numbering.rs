@@ -89,20 +89,7 @@ pub(super) fn number(
         if interface.coupling != SurfaceCoupling::Rigid {
             continue;
         }
-        for &node in rigid_nodes(interface, motion, mesh).iter() {
-            let other = if held.of(node) != [false; 3] { Some("a clamp or support") } else { owner[node] };
-            if let Some(other) = other {
-                return Err(SolidError::RigidOverlap {
-                    part: part.name.clone(),
-                    interface: interface.name.clone(),
-                    node: mesh.node_labels[node],
-                    other: other.to_string(),
-                });
-            }
-            owner[node] = Some(&interface.name);
-            let arm = Vector3::from(mesh.nodes[node]) - Vector3::from(motion.centroid);
-            nodes[node] = NodeMap::Rigid(n_dof, arm.into());
-        }
+        carry(part, interface, motion, mesh, held, &mut owner, |node, arm| nodes[node] = NodeMap::Rigid(n_dof, arm))?;
         groups.push((n_dof..n_dof + 6).collect());
         n_dof += 6;
     }
@@ -119,6 +106,35 @@ pub(super) fn number(
         groups.push(unknowns.collect());
     }
     Ok(Numbering { nodes, groups, n_dof })
+}
+
+/// Hands every node that a rigid interface carries to `place`, with its arm from the centroid (m).
+///
+/// # Errors
+/// [`SolidError::RigidOverlap`] where something else holds or carries a node already.
+pub(super) fn carry<'a>(
+    part: &Part,
+    interface: &'a Interface,
+    motion: &InterfaceMotion,
+    mesh: &Mesh,
+    held: &Held,
+    owner: &mut [Option<&'a str>],
+    mut place: impl FnMut(usize, [f64; 3]),
+) -> Result<(), SolidError> {
+    for node in rigid_nodes(interface, motion, mesh) {
+        let other = if held.of(node) != [false; 3] { Some("a clamp or support") } else { owner[node] };
+        if let Some(other) = other {
+            return Err(SolidError::RigidOverlap {
+                part: part.name.clone(),
+                interface: interface.name.clone(),
+                node: mesh.node_labels[node],
+                other: other.to_string(),
+            });
+        }
+        owner[node] = Some(&interface.name);
+        place(node, (Vector3::from(mesh.nodes[node]) - Vector3::from(motion.centroid)).into());
+    }
+    Ok(())
 }
 
 /// The nodes of an interface's surface that lie inside its region: those that a rigid one carries.

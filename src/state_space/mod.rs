@@ -1,10 +1,72 @@
-//! Modal state space at a position (the paper's equations (4) to (11)).
+//! Modal state space at a position (the paper's equations (4) to (11)), continuous or exactly
+//! discretised, and databases of them over the travel.
 
 mod assemble;
+mod database;
+mod discrete;
+mod mode_step;
 
 pub use assemble::{StateSpaceOptions, state_space};
+pub use database::{Aligned, Database, receptance, receptance_difference};
+pub use discrete::{Hold, discretise};
+pub use mode_step::ModeStep;
 
+use crate::linalg::LinalgError;
 use nalgebra::DMatrix;
+
+/// Why a database of state spaces could not be made or read at a position.
+#[derive(Debug, thiserror::Error)]
+pub enum StateSpaceError {
+    /// There is nothing to hold.
+    #[error("a database needs at least one position")]
+    NoPositions,
+    /// The positions do not ascend or descend throughout.
+    #[error(
+        "position {position} m follows {previous} m; the positions of a database must all ascend or all descend: \
+         sort them"
+    )]
+    Order {
+        /// Position, m.
+        position: f64,
+        /// The one before, m.
+        previous: f64,
+    },
+    /// A position that the database does not cover.
+    #[error("position {position} m lies outside the database, which covers {first} to {last} m")]
+    Outside {
+        /// Position, m.
+        position: f64,
+        /// First position, m.
+        first: f64,
+        /// Last position, m.
+        last: f64,
+    },
+    /// The subspaces of two neighbours could not be aligned.
+    #[error("the modes at position {position} m could not be aligned with those before it: a shape is not finite")]
+    Alignment {
+        /// Position, m.
+        position: f64,
+    },
+    /// The interpolated stiffness is not positive.
+    #[error(
+        "between positions, at {position} m, the interpolated stiffness has the eigenvalue {eigenvalue:.3e} (rad/s)^2; \
+         the stations are too far apart: make the axis's step smaller"
+    )]
+    Negative {
+        /// Position, m.
+        position: f64,
+        /// Eigenvalue, (rad/s)^2.
+        eigenvalue: f64,
+    },
+    /// The interpolated stiffness has no modes.
+    #[error("between positions, at {position} m: {source}")]
+    Eigen {
+        /// Position, m.
+        position: f64,
+        /// What failed.
+        source: LinalgError,
+    },
+}
 
 /// A modal state-space system x' = A x + B u, y = C x + D u at one position.
 #[derive(Clone, Debug)]

@@ -34,25 +34,25 @@ impl<'a> Bases<'a> {
         designs: &[Design],
         evaluate: impl Fn(&Prepared, &[&Design]) -> Vec<Result<Evaluation, SweepError>>,
     ) -> Vec<Result<Evaluation, SweepError>> {
-        let mut answers: Vec<Option<Result<Evaluation, SweepError>>> = designs.iter().map(|_| None).collect();
-        let far: Vec<Result<bool, SweepError>> = designs.iter().map(|d| self.is_far(d)).collect();
-        let is_far = |d: usize| matches!(far[d], Ok(true));
+        let (mut answers, mut far) = (Vec::with_capacity(designs.len()), Vec::with_capacity(designs.len()));
+        for design in designs {
+            let is_far = self.is_far(design);
+            far.push(matches!(is_far, Ok(true)));
+            answers.push(is_far.err().map(Err));
+        }
         while let Some(first) = answers.iter().position(Option::is_none) {
             let group: Vec<usize> = (first..designs.len())
                 .filter(|&d| {
                     d == first
-                        || answers[d].is_none()
-                            && designs[d].parts == designs[first].parts
-                            && !is_far(first)
-                            && !is_far(d)
+                        || answers[d].is_none() && designs[d].parts == designs[first].parts && !far[first] && !far[d]
                 })
                 .collect();
             let members: Vec<&Design> = group.iter().map(|&d| &designs[d]).collect();
             let scales = &designs[first].parts;
-            let results = if scales.iter().all(|s| *s == PartScale::NOMINAL) && !is_far(first) {
+            let results = if scales.iter().all(|s| *s == PartScale::NOMINAL) && !far[first] {
                 evaluate(&self.nominal, &members)
             } else {
-                let base = if is_far(first) { &designs[first].machine } else { self.machine };
+                let base = if far[first] { &designs[first].machine } else { self.machine };
                 match self.nominal.scaled(base, self.superelements, scales, &self.request, self.interrupt) {
                     Ok(prepared) => evaluate(&prepared, &members),
                     Err(error) => {
@@ -65,7 +65,7 @@ impl<'a> Bases<'a> {
                 answers[d] = Some(result);
             }
         }
-        answers.into_iter().zip(far).flat_map(|(answer, far)| far.err().map(Err).or(answer)).collect()
+        answers.into_iter().flatten().collect()
     }
 
     pub fn is_far(&self, design: &Design) -> Result<bool, SweepError> {

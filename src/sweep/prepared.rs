@@ -19,7 +19,7 @@ pub struct Request {
     pub frequencies: Vec<f64>,
     /// Families of the nominal machine whose eigenfrequencies are wanted, 1-based.
     pub families: Vec<usize>,
-    /// The machine is reduced to answer up to this frequency, Hz.
+    /// The machine is reduced to answer up to this frequency, Hz, or to its families' where they lie above.
     pub highest: f64,
     /// Whether designs keep the whole fixed basis instead of what the frequency asks for.
     pub whole_basis: bool,
@@ -39,6 +39,8 @@ pub struct Prepared {
     pub families: Vec<Vec<Option<DVector<f64>>>>,
     /// `[position][family]`: the same in the fixed basis.
     shapes: Vec<Vec<Option<DVector<f64>>>>,
+    /// Answers reach up to this frequency, Hz.
+    reach: f64,
 }
 
 impl Prepared {
@@ -56,16 +58,21 @@ impl Prepared {
     ) -> Result<Self, SweepError> {
         let options = BasisOptions::up_to(request.highest);
         let mut model = couple(machine, superelements, options)?;
+        let reach = reach(&model, machine, request)?;
         let stiffest = stiffest(&model, machine, probes, &request.positions)?;
-        if stiffest > options.stiffest {
-            model = couple(machine, superelements, BasisOptions { stiffest, ..options })?;
+        if reach > request.highest || stiffest > options.stiffest {
+            let stiffest = stiffest.max(options.stiffest);
+            model = couple(machine, superelements, BasisOptions { stiffest, ..BasisOptions::up_to(reach) })?;
         }
         let shapes = nominal_shapes(&model, machine, request)?;
         let varied = varied_springs(machine, probes);
-        Self::around_nominal(model, machine, request, &varied, shapes, |model| identity(model.n()), interrupt)
+        let around = around_all(&model, machine, request, reach, &varied, interrupt)?;
+        let families =
+            around.iter().zip(&shapes).map(|(around, shapes)| in_coordinates(around, shapes, None)).collect();
+        Ok(Self { model, around, families, shapes, reach })
     }
 
-    /// The same with scaled parts, its families followed from those of `self`.
+    /// The same with scaled parts or another base design, its families followed from those of `self`.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -79,48 +86,66 @@ impl Prepared {
     ) -> Result<Self, SweepError> {
         let scaled: Vec<Superelement> =
             superelements.iter().zip(scales).map(|(s, scale)| s.scaled(scale.young, scale.density)).collect();
-        let options = BasisOptions { stiffest: self.model.stiffest, ..BasisOptions::up_to(request.highest) };
+        let options = BasisOptions { stiffest: self.model.stiffest, ..BasisOptions::up_to(self.reach) };
         let model = couple(machine, &scaled, options)?;
         let varied = self.around.first().map(|a| a.varied.clone()).unwrap_or_default();
+        let around = around_all(&model, machine, request, self.reach, &varied, interrupt)?;
         // Both bases stand over the mass-normalised coordinates of the same superelements.
-        let crossed = |model: &CoupledModel| {
-            let pairs = self.model.parts.iter().zip(&model.parts);
-            pairs.fold(DMatrix::zeros(model.n(), self.model.n()), |sum, (own, other)| {
-                sum + multiply_transposed(&other.basis, &own.basis)
-            })
-        };
-        Self::around_nominal(model, machine, request, &varied, self.shapes.clone(), crossed, interrupt)
+        let mut crossed = DMatrix::zeros(model.n(), self.model.n());
+        for (own, other) in self.model.parts.iter().zip(&model.parts) {
+            crossed += multiply_transposed(&other.basis, &own.basis);
+        }
+        let shapes = self.shapes.clone();
+        let families =
+            around.iter().zip(&shapes).map(|(around, shapes)| in_coordinates(around, shapes, Some(&crossed))).collect();
+        Ok(Self { model, around, families, shapes, reach: self.reach })
     }
+}
 
-    fn around_nominal(
-        model: CoupledModel,
-        machine: &Machine,
-        request: &Request,
-        varied: &[usize],
-        shapes: Vec<Vec<Option<DVector<f64>>>>,
-        crossed: impl Fn(&CoupledModel) -> DMatrix<f64>,
-        interrupt: &Interrupt,
-    ) -> Result<Self, SweepError> {
-        let one = |&position: &f64| -> Result<Around, SweepError> {
-            if interrupt.requested() {
-                return Err(SweepError::Interrupted);
-            }
-            let base = model.spring_values(machine, position)?.stiffness;
-            let reach = if request.whole_basis { f64::INFINITY } else { request.highest };
-            Ok(model.around(&model.at(position)?, &base, varied, reach)?)
-        };
-        let around = request.positions.par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
-        let crossed = if request.families.is_empty() { None } else { Some(crossed(&model)) };
-        let families = around.iter().zip(&shapes).map(|(around, shapes)| {
-            let to_around = |shape: &DVector<f64>| {
-                let column = DMatrix::from_column_slice(shape.len(), 1, shape.as_slice());
-                let here = crossed.as_ref().map_or_else(|| column.clone(), |c| multiply(c, &column));
-                multiply_transposed(&around.basis, &here).column(0).into_owned()
-            };
-            shapes.iter().map(|shape| shape.as_ref().map(to_around)).collect()
-        });
-        Ok(Self { families: families.collect(), around, shapes, model })
-    }
+/// The machine at every position around its own design.
+fn around_all(
+    model: &CoupledModel,
+    machine: &Machine,
+    request: &Request,
+    reach: f64,
+    varied: &[usize],
+    interrupt: &Interrupt,
+) -> Result<Vec<Around>, SweepError> {
+    let reach = if request.whole_basis { f64::INFINITY } else { reach };
+    let one = |&position: &f64| -> Result<Around, SweepError> {
+        if interrupt.requested() {
+            return Err(SweepError::Interrupted);
+        }
+        let base = model.spring_values(machine, position)?.stiffness;
+        Ok(model.around(&model.at(position)?, &base, varied, reach)?)
+    };
+    request.positions.par_iter().map(one).collect()
+}
+
+/// Shapes in a fixed basis, its own or one that `crossed` brings there, as shapes in the coordinates around a base.
+fn in_coordinates(
+    around: &Around,
+    shapes: &[Option<DVector<f64>>],
+    crossed: Option<&DMatrix<f64>>,
+) -> Vec<Option<DVector<f64>>> {
+    let one = |shape: &DVector<f64>| {
+        let column = DMatrix::from_column_slice(shape.len(), 1, shape.as_slice());
+        let here = crossed.map_or_else(|| column.clone(), |c| multiply(c, &column));
+        multiply_transposed(&around.basis, &here).column(0).into_owned()
+    };
+    shapes.iter().map(|shape| shape.as_ref().map(one)).collect()
+}
+
+/// The frequency that answers reach up to: the request's, or that of the tracked modes where families lie above, Hz.
+///
+/// Frequencies move by some 10 % over a travel, and a design moves them further; a quarter is added.
+fn reach(model: &CoupledModel, machine: &Machine, request: &Request) -> Result<f64, SweepError> {
+    let (Some(&position), false) = (request.positions.first(), request.families.is_empty()) else {
+        return Ok(request.highest);
+    };
+    let modes = modes_at(model, &machine.analysis.damping, position, request.tracked + 16)?;
+    let last = (modes.free + request.tracked).min(modes.eigenvalues.len()) - 1;
+    Ok(request.highest.max(1.25 * modes.frequency(last)))
 }
 
 /// `[position][family]`: shapes of the families that were asked for, in the fixed basis.
@@ -173,8 +198,4 @@ pub fn varied_springs(machine: &Machine, probes: &[Design]) -> Vec<usize> {
     let probes: Vec<_> = probes.iter().map(|p| springs(&p.machine)).collect();
     let varies = |s: &usize| nominal[*s].1 || probes.iter().any(|p| p[*s] != nominal[*s]);
     (0..nominal.len()).filter(varies).collect()
-}
-
-fn identity(n: usize) -> DMatrix<f64> {
-    DMatrix::identity(n, n)
 }

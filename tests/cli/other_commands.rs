@@ -132,3 +132,46 @@ fn help_and_version_go_to_stdout() {
         assert!(stdout(&said).contains("stiffmap"));
     }
 }
+
+#[test]
+fn modes_prints_the_frequencies_of_a_deck_and_refuses_what_it_cannot() {
+    let (folder, cache) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let text = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n*ELEMENT,TYPE=C3D8,ELSET=E\n\
+                1,1,2,3,4,5,6,7,8\n*MATERIAL,NAME=M\n*ELASTIC\n1,0\n*DENSITY\n1\n*SOLID SECTION,ELSET=E,MATERIAL=M\n\
+                *STEP\n*FREQUENCY\n9\n*END STEP\n";
+    let modes = |text: &str, arguments: &[&str]| {
+        let deck = folder.path().join("cube.inp");
+        std::fs::write(&deck, text).unwrap();
+        stiffmap(cache.path()).arg("modes").arg(&deck).args(arguments).output().unwrap()
+    };
+    let run = modes(text, &[]);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let said = stdout(&run);
+    assert_eq!(said.matches("rigid motion").count(), 6, "{said}");
+    assert!(said.contains("cube.inp: 8 nodes, 1 elements, 24 unknowns, mass 1.0"), "{said}");
+    assert!(stderr(&run).contains("C3D8 is read as C3D8I"), "{}", stderr(&run));
+    // The cube's shear modes are a root of twelve, more than a block has vectors: any number may be asked for.
+    for wanted in [1, 6, 7, 9, 12, 13, 19, 20, 21, 23, 24, 30] {
+        let json = modes(text, &["--json", "--modes", &wanted.to_string()]);
+        assert_eq!(json.status.code(), Some(0), "{wanted}: {}", stderr(&json));
+        let json: Value = serde_json::from_slice(&json.stdout).unwrap();
+        let found = (json["frequencies"].as_array().unwrap().len(), json["rigid"].as_u64());
+        assert_eq!(found, (wanted.min(24), Some(wanted.min(6) as u64)));
+    }
+    let none: &[&str] = &[];
+    for (text, arguments, words) in [
+        (text.replace("*FREQUENCY\n9", "*STATIC"), none, "first step is *STATIC"),
+        (text.replace("*STEP", "*TIE, NAME=T\n*STEP"), none, "*TIE"),
+        (text.to_owned(), &["--modes", "0"][..], "at least 1"),
+        (
+            text.replace("*STEP", "*BOUNDARY\n1,1,3\n2,1,3\n3,1,3\n4,1,3\n5,1,3\n6,1,3\n7,1,3\n8,1,3\n*STEP"),
+            none,
+            "every displacement is held",
+        ),
+    ] {
+        let refused = modes(&text, arguments);
+        assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+        assert!(stderr(&refused).contains(words) && refused.stdout.is_empty(), "{}", stderr(&refused));
+    }
+    assert!(files_below(cache.path()).is_empty());
+}

@@ -119,3 +119,20 @@ fn single_directions_are_held_and_the_motions_left_are_rigid() {
     }
     assert!(matches!(held(&[("FLOOR", [true; 3])]), Err(SolidError::UnknownSet { .. })));
 }
+
+#[test]
+fn a_part_on_single_supports_is_reduced_with_the_motions_that_are_left() {
+    let mesh = grid(CellKind::Hex20, [0.4, 0.4, 0.1], [3, 3, 1]);
+    let mut body = part("plate", &[], vec![crate::support::on("ZMAX")]);
+    body.supported = vec![Support { nodes: "ZMIN".into(), directions: [false, false, true] }];
+    let system = assemble(&body, &mesh).expect("assembles");
+    let exact = crate::support::dense::frequencies(&full(&system.stiffness), &full(&system.mass), 1e8);
+    for component in [crate::support::craig_bampton(20), crate::support::free_interface(20)] {
+        let reduced = crate::support::superelement(&body, &mesh, component);
+        let found: Vec<f64> = reduced.eigenvalues.iter().map(|l| l.max(0.0).sqrt() / std::f64::consts::TAU).collect();
+        assert!(found[2] < 1e-3 * exact[3], "three motions in the plane: {:?}", &found[..4]);
+        let off = crate::support::worst_ratio(&found[3..8], &exact[3..8]);
+        assert!(off < 1e-4, "{:?}: {off:.1e} of {:?} {:?}", component.method, &found[..8], &exact[..8]);
+        assert!(crate::support::worst_ratio(&found[4..8], &exact[3..7]) > 1e-3, "control: a mode is lost");
+    }
+}

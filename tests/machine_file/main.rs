@@ -3,6 +3,7 @@
 use stiffmap::machine::*;
 use tempfile::TempDir;
 
+mod contact;
 mod names;
 mod placement;
 mod quantities;

@@ -1,73 +1,69 @@
-//! The page's local coordinates against the whole model with changed joints.
+//! The coordinates that the page holds, against the whole model with changed joints.
 
-use crate::support::slide::{Slide, ratio};
+use crate::support::slide::Slide;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 use stiffmap::coupling::{BasisOptions, CoupledModel, couple};
-use stiffmap::figures::report::{LocalBasis, local_basis};
-use stiffmap::modal::{modes_at, modes_of};
+use stiffmap::figures::report::PAGE;
+use stiffmap::linalg::symmetric_eigen;
 
 /// Highest frequency, Hz.
 const HIGHEST: f64 = 2500.0;
 const ZETA: f64 = 0.01;
 
-/// sum p q^T / (lambda - omega^2 + 2 j zeta omega sqrt(lambda)) + d.
-fn sum(lambda: &[f64], p: &DMatrix<f64>, q: &DMatrix<f64>, d: &DMatrix<f64>, frequency: f64) -> DMatrix<Complex<f64>> {
-    let omega = TAU * frequency;
-    let mut h = d.map(|v| Complex::new(v, 0.0));
-    for (r, l) in lambda.iter().enumerate() {
-        let l = l.max(0.0);
-        let den = Complex::new(l - omega * omega, 2.0 * ZETA * omega * l.sqrt());
-        h += (p.column(r) * q.column(r).transpose()).map(|v| Complex::from(v) / den);
-    }
-    h
+/// A machine by its K (M = I), its ports' rows and what follows without delay.
+struct Machine {
+    stiffness: DMatrix<f64>,
+    outputs: DMatrix<f64>,
+    inputs: DMatrix<f64>,
+    direct: DMatrix<f64>,
 }
 
-/// The changed machine in local coordinates, as the page solves it.
-fn changed(basis: &LocalBasis, dk: &[f64], ports: usize) -> (Vec<f64>, DMatrix<f64>, DMatrix<f64>) {
-    let s = dk.len();
-    let c = &basis.residual;
-    let change = DMatrix::from_diagonal(&nalgebra::DVector::from_row_slice(dk));
-    let inner = DMatrix::identity(s, s) + &change * c.view((0, 0), (s, s));
-    let f = inner.lu().solve(&change).expect("I + dk C is regular");
-    let e = basis.rows.rows(0, s).into_owned();
-    let fe = &f * &e;
-    let mut k = e.transpose() * &fe;
-    for (r, l) in basis.eigenvalues.iter().enumerate() {
-        k[(r, r)] += l;
+impl Machine {
+    /// sum p q^T / (lambda - omega^2 + 2 j zeta omega sqrt(lambda)) + D at all frequencies.
+    fn receptances(&self) -> Vec<DMatrix<Complex<f64>>> {
+        let eigen = symmetric_eigen(&self.stiffness).unwrap();
+        let (p, q) = (&self.outputs * &eigen.vectors, &self.inputs * &eigen.vectors);
+        let at = |frequency: f64| {
+            let omega = TAU * frequency;
+            let mut h = self.direct.map(|v| Complex::new(v, 0.0));
+            for (r, l) in eigen.values.iter().enumerate() {
+                let l = l.max(0.0);
+                let den = Complex::new(l - omega * omega, 2.0 * ZETA * omega * l.sqrt());
+                h += (p.column(r) * q.column(r).transpose()).map(|v| Complex::from(v) / den);
+            }
+            h
+        };
+        (1..=250).map(|step| at(HIGHEST * f64::from(step) / 250.0)).collect()
     }
-    let c_ps = c.view((s, 0), (ports, s)).into_owned();
-    let p = basis.rows.rows(s, ports).into_owned() - &c_ps * &fe;
-    let d = c.view((s, s), (ports, ports)).into_owned() - &c_ps * &f * c_ps.transpose();
-    let eigen = (0.5 * (&k + k.transpose())).symmetric_eigen();
-    (eigen.eigenvalues.as_slice().to_vec(), p * eigen.eigenvectors, d)
 }
 
+/// Largest difference between few coordinates and all of them when each spring is `factor` times as stiff, and
+/// `reported` times in the whole model.
 fn worst(model: &CoupledModel, factor: impl Fn(usize) -> f64, reported: impl Fn(usize) -> f64) -> f64 {
-    let damping = ratio(ZETA);
     let mut worst: f64 = 0.0;
     for position in [0.3, 0.041, -0.3] {
         let at = model.at(position).unwrap();
-        let k = model.stiffness(position).unwrap();
-        let modes = modes_at(model, &damping, position, model.n()).unwrap();
-        let springs: Vec<usize> = (0..k.len()).collect();
-        let basis = local_basis(model, &at, &k, &modes, &springs, HIGHEST).unwrap();
-        let dk: Vec<f64> = k.iter().enumerate().map(|(s, k)| (factor(s) - 1.0) * k).collect();
-        let stiffness: Vec<f64> = k.iter().enumerate().map(|(s, k)| reported(s) * k).collect();
-        let whole = modes_of(model, &damping, &at, &stiffness, model.n()).unwrap();
-        let ports = whole.outputs.nrows();
-        let (lambda, p, d) = changed(&basis, &dk, ports);
-        for step in 1..=250 {
-            let f = HIGHEST * f64::from(step) / 250.0;
-            let exact = sum(&whole.eigenvalues, &whole.outputs, &whole.inputs, &whole.direct, f);
-            worst = worst.max((sum(&lambda, &p, &p, &d, f) - &exact).norm() / exact.norm());
+        let base = model.stiffness(position).unwrap();
+        let modes = symmetric_eigen(&model.coupled(&at, &base).stiffness).unwrap();
+        let varied: Vec<usize> = (0..base.len()).collect();
+        let around = model.around_modes(&at, &base, &modes, &varied, HIGHEST, PAGE).unwrap();
+        assert!(around.n() < model.n(), "{} of {} coordinates", around.n(), model.n());
+        let times = |by: &dyn Fn(usize) -> f64| base.iter().enumerate().map(|(s, k)| by(s) * k).collect::<Vec<_>>();
+        let few = around.coupled(&times(&factor)).unwrap();
+        let few = Machine { stiffness: few.stiffness, outputs: few.outputs, inputs: few.inputs, direct: few.direct };
+        let whole = model.coupled(&at, &times(&reported));
+        let whole =
+            Machine { stiffness: whole.stiffness, outputs: whole.outputs, inputs: whole.inputs, direct: whole.direct };
+        for (h, exact) in few.receptances().iter().zip(whole.receptances()) {
+            worst = worst.max((h - &exact).norm() / exact.norm());
         }
     }
     worst
 }
 
 #[test]
-fn local_coordinates_follow_changed_joints() {
+fn the_pages_coordinates_follow_changed_joints() {
     let slide = Slide::new(true);
     let model = couple(&slide.machine, &slide.parts, BasisOptions::up_to(2.0 * HIGHEST)).unwrap();
     let screw = slide.machine.joints.iter().flat_map(|j| &j.springs).count() - 1;

@@ -119,6 +119,7 @@ pub fn springs(name: &str, between: [InterfaceRef; 2], springs: Vec<Spring>) -> 
         at: JointPoint::Centroid(1),
         springs,
         loss_factor: None,
+        contact: None,
     }
 }
 

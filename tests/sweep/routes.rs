@@ -311,6 +311,14 @@ fn families_keep_their_names_and_are_empty_where_they_are_lost() {
         let found = nominal[0].families[family].expect("kept at the base");
         assert!((found / first.frequency(first.free + rank) - 1.0).abs() < 1e-6);
     }
+    // A band far below a family's frequency takes nothing from it.
+    let low = Request { highest: 100.0, ..asked.clone() };
+    let route = ModesRoute::new(&machine, &slide().parts, low, &probes, &INTERRUPT).expect("prepared");
+    let narrow = route.evaluate(&[Design::nominal(&machine)]).swap_remove(0).expect("answered");
+    for (found, expected) in narrow.iter().zip(&nominal).flat_map(|(a, b)| a.families.iter().zip(&b.families)) {
+        let (found, expected) = (found.expect("kept"), expected.expect("kept"));
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    }
     // A bed of a thousandth of its modulus bends before the guides do.
     let mut soft = Design::nominal(&machine);
     soft.parts[0].young = 1e-3;

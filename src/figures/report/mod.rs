@@ -2,20 +2,19 @@
 //!
 //! The page holds the run's modal database and evaluates maps itself: by WebGPU with the text of
 //! `shaders/`, in f64 JavaScript where there is no WebGPU. When a joint changes it solves the machine
-//! anew in local coordinates (`local.rs`). `docs/report.md` says how, and how accurately. Pictures and
+//! anew in few coordinates ([`Around`](crate::coupling::Around)). `docs/report.md` says how, and how accurately. Pictures and
 //! surfaces are drawn by three.js, curves by uPlot, both embedded (`assets/web`).
 
 pub mod arrays;
 mod database;
 mod header;
-mod local;
 mod pack;
 mod page;
 mod shapes;
 
 pub use database::{Database, DatabaseInput};
 pub use header::{Group, Header, SpringEntry, TableEntry, VeeringEntry};
-pub use local::{LocalBasis, local_basis};
+pub use pack::PAGE;
 pub use page::{DATABASE_FILE, PAGE_FILE, page, write_page};
 pub use shapes::PartSkin;
 
@@ -34,14 +33,6 @@ pub enum ReportError {
     /// A position could not be coupled.
     #[error(transparent)]
     Coupling(#[from] CouplingError),
-    /// The local coordinates of a position could not be formed.
-    #[error("local coordinates at position {position} m: {source}")]
-    Local {
-        /// Position, m.
-        position: f64,
-        /// What failed.
-        source: LinalgError,
-    },
     /// The space of the mode shapes could not be formed.
     #[error("the space of the mode shapes: {0}")]
     Shapes(LinalgError),

@@ -2,9 +2,9 @@
 
 use super::ReportError;
 use super::arrays::Arrays;
-use super::local::{LocalBasis, local_basis};
-use crate::coupling::CoupledModel;
+use crate::coupling::{Around, AroundOptions, CoupledModel};
 use crate::frf::ModalSystem;
+use crate::linalg::SymmetricEigen;
 use crate::modal::{ModeFamilies, Modes, TrackedMode};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -36,7 +36,50 @@ pub(super) fn push_systems(arrays: &mut Arrays, systems: &[&ModalSystem], symmet
     arrays.push_f64("nominal_residual", &[p, degrees, o, i, 2], values);
 }
 
-/// The local coordinates of every position: eigenvalues in Hz^2, rows, residual flexibility, stiffness.
+/// What the page keeps of the machine as it was run: fewer coordinates than a sweep, because the page finds their modes at
+/// every position while a slider moves.
+pub const PAGE: AroundOptions = AroundOptions { band: 1.05, tolerance: 2e-2 };
+
+/// The machine around its nominal joints at one position, as the page holds it.
+struct Local {
+    /// Eigenvalues, (rad/s)^2.
+    eigenvalues: Vec<f64>,
+    /// Elongations of the springs, then outputs, then inputs, over the coordinates.
+    rows: DMatrix<f64>,
+    /// Static flexibility between the rows that the coordinates leave out.
+    residual: DMatrix<f64>,
+    /// Of the springs.
+    stiffness: Vec<f64>,
+}
+
+/// Motion of springs and ports below which a free motion is left out, relative to the largest of any coordinate.
+const UNFELT: f64 = 1e-9;
+
+impl Local {
+    fn new(around: &Around, symmetric: bool) -> Self {
+        let (n_springs, n_outputs) = (around.springs.nrows(), around.outputs.nrows());
+        let ports = if symmetric { n_outputs } else { n_outputs + around.inputs.nrows() };
+        let places: Vec<usize> = around.varied.iter().copied().chain((0..ports).map(|p| n_springs + p)).collect();
+        let row = |place: usize, r: usize| match place {
+            s if s < n_springs => around.springs[(s, r)],
+            o if o < n_springs + n_outputs => around.outputs[(o - n_springs, r)],
+            i => around.inputs[(i - n_springs - n_outputs, r)],
+        };
+        let rows = DMatrix::from_fn(places.len(), around.n(), |i, r| row(places[i], r));
+        let largest = rows.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
+        let is_free = |r: usize| r < around.modes && around.eigenvalues[r] <= 0.0;
+        let kept: Vec<usize> =
+            (0..around.n()).filter(|&r| !is_free(r) || rows.column(r).norm() > UNFELT * largest).collect();
+        Self {
+            eigenvalues: kept.iter().map(|&r| around.eigenvalues[r]).collect(),
+            rows: rows.select_columns(&kept),
+            residual: DMatrix::from_fn(places.len(), places.len(), |i, j| around.residual[(places[i], places[j])]),
+            stiffness: around.varied.iter().map(|&s| around.base[s]).collect(),
+        }
+    }
+}
+
+/// The machine around its nominal joints at every position: eigenvalues in Hz^2, rows, residual flexibility, stiffness.
 pub(super) fn push_local(
     arrays: &mut Arrays,
     model: &CoupledModel,
@@ -45,36 +88,28 @@ pub(super) fn push_local(
     highest: f64,
     symmetric: bool,
 ) -> Result<(), ReportError> {
-    let one = |modes: &Cow<'_, Modes>| -> Result<(LocalBasis, Vec<f64>), ReportError> {
-        let position = modes.position;
-        let at = model.at(position)?;
-        let stiffness = model.stiffness(position)?;
-        let mut basis = local_basis(model, &at, &stiffness, modes, springs, highest)
-            .map_err(|source| ReportError::Local { position, source })?;
-        if symmetric {
-            let kept = springs.len() + modes.outputs.nrows();
-            basis.rows = basis.rows.rows(0, kept).into_owned();
-            basis.residual = basis.residual.view((0, 0), (kept, kept)).into_owned();
-        }
-        Ok((basis, springs.iter().map(|&s| stiffness[s]).collect()))
+    let one = |modes: &Cow<'_, Modes>| -> Result<Local, ReportError> {
+        let stiffness = model.stiffness(modes.position)?;
+        let base = SymmetricEigen { values: modes.eigenvalues.clone().into(), vectors: modes.shapes.clone() };
+        let at = model.at(modes.position)?;
+        Ok(Local::new(&model.around_modes(&at, &stiffness, &base, springs, highest, PAGE)?, symmetric))
     };
     let all = modes.par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
     let p = all.len();
-    let n = all.iter().map(|(b, _)| b.eigenvalues.len()).max().unwrap_or(0);
-    let rows = all.first().map_or(0, |(b, _)| b.rows.nrows());
+    let n = all.iter().map(|l| l.eigenvalues.len()).max().unwrap_or(0);
+    let rows = all.first().map_or(0, |l| l.rows.nrows());
     let padded = |v: Vec<f64>| {
         let rest = n - v.len();
         v.into_iter().chain(std::iter::repeat_n(0.0, rest)).collect::<Vec<_>>()
     };
-    arrays.push_u32("local_count", &[p], all.iter().map(|(b, _)| b.eigenvalues.len()));
-    let hertz = |b: &LocalBasis| padded(b.eigenvalues.iter().map(|l| l / (TAU * TAU)).collect());
-    arrays.push_f64("local_eigenvalue", &[p, n], all.iter().flat_map(|(b, _)| hertz(b)));
-    let of_rows =
-        |b: &LocalBasis| b.rows.row_iter().flat_map(|r| padded(r.iter().copied().collect())).collect::<Vec<_>>();
-    arrays.push_f32("local_rows", &[p, rows, n], all.iter().flat_map(|(b, _)| of_rows(b)));
-    let flexibility = all.iter().flat_map(|(b, _)| b.residual.transpose().iter().copied().collect::<Vec<_>>());
+    arrays.push_u32("local_count", &[p], all.iter().map(|l| l.eigenvalues.len()));
+    let hertz = |l: &Local| padded(l.eigenvalues.iter().map(|l| l / (TAU * TAU)).collect());
+    arrays.push_f64("local_eigenvalue", &[p, n], all.iter().flat_map(hertz));
+    let of_rows = |l: &Local| l.rows.row_iter().flat_map(|r| padded(r.iter().copied().collect())).collect::<Vec<_>>();
+    arrays.push_f32("local_rows", &[p, rows, n], all.iter().flat_map(of_rows));
+    let flexibility = all.iter().flat_map(|l| l.residual.transpose().iter().copied().collect::<Vec<_>>());
     arrays.push_f32("local_residual", &[p, rows, rows], flexibility);
-    arrays.push_f64("stiffness", &[p, springs.len()], all.iter().flat_map(|(_, k)| k.iter().copied()));
+    arrays.push_f64("stiffness", &[p, springs.len()], all.iter().flat_map(|l| l.stiffness.iter().copied()));
     Ok(())
 }
 

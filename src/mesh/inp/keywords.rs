@@ -1,5 +1,9 @@
 //! Keywords that are not read: which are harmless, and what to do about the others.
 
+use super::lines::{Keyword, Lines};
+use super::raw::Raw;
+use crate::mesh::{MeshError, Warning};
+
 /// Keywords that change neither the mesh nor its materials' stiffness and mass.
 const HARMLESS: &[&str] = &[
     "AMPLITUDE",
@@ -25,13 +29,27 @@ const HARMLESS: &[&str] = &[
     "TIMEPOINTS",
 ];
 
-/// Whether a keyword may be passed over.
-pub fn is_harmless(name: &str) -> bool {
-    HARMLESS.contains(&name)
+/// Passes over a keyword that does not change the `result`, with a warning, and refuses any other.
+///
+/// # Errors
+/// [`MeshError::Keyword`].
+pub fn pass_over(keyword: &Keyword<'_>, result: &str, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<(), MeshError> {
+    let name = keyword.name.as_str();
+    if !HARMLESS.contains(&name) {
+        return Err(MeshError::Keyword {
+            spot: lines.spot(keyword.line),
+            keyword: keyword.spelling.to_owned(),
+            advice: advice(name),
+        });
+    }
+    let text = format!("*{} is passed over; it does not change the {result}", keyword.spelling);
+    raw.warnings.push(Warning { line: keyword.line, text });
+    lines.skip_data();
+    Ok(())
 }
 
 /// What to do about a keyword that is refused.
-pub fn advice(name: &str) -> &'static str {
+fn advice(name: &str) -> &'static str {
     match name {
         "PART" | "ENDPART" | "INSTANCE" | "ENDINSTANCE" | "ASSEMBLY" | "ENDASSEMBLY" => {
             "write a flat input file, without parts and assembly"

@@ -1,6 +1,6 @@
 //! First pass: what each keyword opens.
 
-use super::keywords::{advice, is_harmless};
+use super::keywords::pass_over;
 use super::lines::{Keyword, Lines, shortened};
 use super::properties::{read_density, read_elastic, read_material, read_solid_section};
 use super::raw::Raw;
@@ -46,18 +46,7 @@ pub fn collect(source: &Source, purpose: Purpose, plain_bricks: bool) -> Result<
             "BOUNDARY" => read_boundary(&keyword, &mut lines, &mut raw)?,
             "STEP" if purpose == Purpose::Deck && raw.frequency.is_none() => read_step(&keyword, &mut lines, &mut raw)?,
             "STEP" => skip_step(&keyword, purpose, &mut lines, &mut raw)?,
-            name if is_harmless(name) => {
-                let text = format!("*{} is passed over; it does not change the mesh", keyword.spelling);
-                raw.warnings.push(Warning { line: keyword.line, text });
-                lines.skip_data();
-            }
-            name => {
-                return Err(MeshError::Keyword {
-                    spot: lines.spot(keyword.line),
-                    keyword: keyword.spelling.to_owned(),
-                    advice: advice(name),
-                });
-            }
+            _ => pass_over(&keyword, "mesh", &mut lines, &mut raw)?,
         }
     }
     if source.ends_without_line_end() {

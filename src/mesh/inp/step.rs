@@ -1,11 +1,11 @@
 //! Displacements held, and the frequency step of a deck.
 
-use super::keywords::{advice, is_harmless};
+use super::keywords::pass_over;
 use super::lines::{Keyword, Lines, bad_value, fields, number};
 use super::raw::{FrequencyStep, Raw, RawBoundary};
 use super::sections::check_parameters;
 use super::surfaces::target;
-use crate::mesh::{MeshError, Warning};
+use crate::mesh::MeshError;
 
 type Result<T> = std::result::Result<T, MeshError>;
 
@@ -86,18 +86,7 @@ pub fn read_step(step: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Re
                     ),
                 });
             }
-            name if is_harmless(name) => {
-                let text = format!("*{} is passed over; it does not change the modes", keyword.spelling);
-                raw.warnings.push(Warning { line: keyword.line, text });
-                lines.skip_data();
-            }
-            name => {
-                return Err(MeshError::Keyword {
-                    spot: lines.spot(keyword.line),
-                    keyword: keyword.spelling.to_owned(),
-                    advice: advice(name),
-                });
-            }
+            _ => pass_over(&keyword, "modes", lines, raw)?,
         }
     }
     raw.frequency = Some(frequency.ok_or_else(|| MeshError::Deck {

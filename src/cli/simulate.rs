@@ -1,0 +1,365 @@
+//! `stiffmap simulate`: time histories.
+
+use super::overrides::Overrides;
+use super::progress::Progress;
+use super::run::{figure, mesh_warnings, slug};
+use super::simulate_files::{self, Found, Outcome};
+use super::{UsageError, cache_folder, machine_path, record};
+use anyhow::{Context, Result};
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+use stiffmap::coupling::CoupledModel;
+use stiffmap::export::manifest::Manifest;
+use stiffmap::interrupt::Interrupt;
+use stiffmap::machine::{Machine, read_machine};
+use stiffmap::modal::{Modes, modes_at};
+use stiffmap::pipeline;
+use stiffmap::reduction::Cache;
+use stiffmap::response::contact::{elements, simulate_contact};
+use stiffmap::response::moving::{PathModel, PathOptions, TravelOptions, travel};
+use stiffmap::response::spectrum::{difference_to_modes, spectra};
+use stiffmap::response::{
+    Forces, Path, Plant, Recording, ResponseError, Shape, parse_force, parse_milling, read_force_file, read_path_file,
+    simulate_all,
+};
+use stiffmap::state_space::{StateSpaceOptions, state_space};
+
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Machine file, or the folder that holds machine.toml; the bundled vertical mill without it
+    machine: Option<PathBuf>,
+    /// The paper's study: one pulse at all inputs at once, at every position, with spectra and
+    /// surfaces; keys of the force `impulse` may follow, such as --impulse=shape=triangle
+    #[arg(long, value_name = "KEYS", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    impulse: Option<String>,
+    /// A force, INPUT:KIND,key=value,..: impulse, step, sine, chirp or random at an input (or `all`), in
+    /// N, s, Hz; may be repeated
+    #[arg(long = "force", value_name = "INPUT:KIND,..")]
+    forces: Vec<String>,
+    /// Forces from a CSV file with the headings time_s and names of inputs, in N
+    #[arg(long, value_name = "CSV")]
+    force_file: Option<PathBuf>,
+    /// A milling cut: teeth=4,speed=3000,feed=0.1,depth=2,kt=2000,kr=0.3 (1/min, mm a tooth, mm, N/mm^2)
+    #[arg(long, value_name = "KEYS")]
+    milling: Option<String>,
+    /// Travel from one position to another, m, at --feed-rate
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true, conflicts_with = "path_file")]
+    path: Option<String>,
+    /// Speed along --path, m/min
+    #[arg(long, value_name = "M/MIN", requires = "path", allow_hyphen_values = true)]
+    feed_rate: Option<f64>,
+    /// Travel after a CSV file with the headings time_s,position_m
+    #[arg(long, value_name = "CSV")]
+    path_file: Option<PathBuf>,
+    /// Length of the history, s; 1 s, or the length of the path, without it
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    duration: Option<f64>,
+    /// Samples a second
+    #[arg(long, value_name = "HZ", default_value_t = 20_000.0, allow_hyphen_values = true)]
+    rate: f64,
+    /// Record the outputs' velocities
+    #[arg(long)]
+    velocity: bool,
+    /// Record the outputs' accelerations
+    #[arg(long)]
+    acceleration: bool,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// With --modes: leave the constant residual out
+    #[arg(long)]
+    no_residual: bool,
+    /// Leave the friction and backlash of the machine file out
+    #[arg(long)]
+    linear: bool,
+    /// Output folder; results/<machine>_simulation without it
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Draw no pictures
+    #[arg(long)]
+    pub(super) no_figures: bool,
+    /// Neither read nor write the cache of superelements
+    #[arg(long)]
+    no_cache: bool,
+    /// Print the manifest to stdout and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// The fixed basis is made for this many times the highest frequency: a history holds all of them, and on
+/// the bundled mill the basis then differs from the superelements side by side by 1e-7 of the peak.
+const BASIS: f64 = 1.5;
+
+/// Runs a simulation.
+pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
+    let mut progress = Progress::new(arguments.json);
+    let (file, _bundled) = machine_path(arguments.machine.as_deref())?;
+    let mut machine = read_machine(&file)?;
+    let mut positions = arguments.overrides.apply(&mut machine)?;
+    let path = arguments.path(&machine)?;
+    if arguments.impulse.is_none() && !arguments.overrides.gives_positions() {
+        positions.truncate(1);
+    }
+    let forces = arguments.sampled(&machine, path.as_ref())?;
+    arguments.check(&machine, path.as_ref())?;
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| std::path::Path::new("results").join(format!("{}_simulation", slug(&machine.name))));
+    std::fs::create_dir_all(&out).with_context(|| format!("--out {}", out.display()))?;
+
+    let mut manifest = Manifest { name: machine.name.clone(), machine_file: arguments.named(), ..Manifest::default() };
+    let model = arguments.model(&machine, &mut manifest, &mut progress, interrupt)?;
+    let result = match &path {
+        Some(path) => arguments.along(&machine, &model, path, &forces, &mut manifest, &mut progress, interrupt)?,
+        None => arguments.fixed(&machine, &model, &positions, &forces, &mut manifest, &mut progress, interrupt)?,
+    };
+    record::input(&mut manifest, &machine)?;
+    let settings = &mut manifest.settings;
+    settings.push("samples_a_second", json!(arguments.rate));
+    settings.push("samples", json!(forces.samples()));
+    settings.push("damping_ratios", json!(machine.analysis.damping.ratios));
+    let outcome = Outcome { machine: &machine, outputs: model.output_names(), forces: &forces, result, out };
+    simulate_files::write(&outcome, arguments, &mut progress, &mut manifest, interrupt)?;
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&manifest)?);
+    } else {
+        simulate_files::print(&outcome, &manifest, &progress);
+    }
+    Ok(())
+}
+
+/// Names of the directions of the input or output ports, as the coupled model has them.
+fn input_names(machine: &Machine) -> Vec<String> {
+    let ports = machine.ports.iter().filter(|p| p.input);
+    let one = machine.ports.len() == 1;
+    ports
+        .flat_map(|p| p.directions.iter().map(move |(d, _)| if one { d.clone() } else { format!("{}.{d}", p.name) }))
+        .collect()
+}
+
+impl Arguments {
+    fn named(&self) -> String {
+        self.machine.as_ref().map_or_else(|| "bundled vertical mill".into(), |p| p.display().to_string())
+    }
+
+    fn recording(&self) -> Recording {
+        Recording { velocity: self.velocity, acceleration: self.acceleration }
+    }
+
+    fn path(&self, machine: &Machine) -> Result<Option<Path>> {
+        let path = match (&self.path, &self.path_file) {
+            (Some(text), _) => {
+                let ends: Option<Vec<f64>> = text.split(':').map(|t| t.trim().parse().ok()).collect();
+                let Some([from, to]) = ends.as_deref() else {
+                    return Err(UsageError(format!("--path: {text:?} is not FROM:TO, two positions in m")).into());
+                };
+                let speed = self.feed_rate.ok_or_else(|| UsageError("--path needs --feed-rate, in m/min".into()))?;
+                Path::constant_speed(*from, *to, speed / 60.0)?
+            }
+            (None, Some(file)) => read_path_file(file)?,
+            (None, None) => return Ok(None),
+        };
+        let [low, high] = path.range();
+        let [from, to] = machine.axis.travel;
+        if low < from.min(to) - 1e-9 || high > from.max(to) + 1e-9 {
+            let axis = &machine.axis.name;
+            return Err(UsageError(format!(
+                "the path runs from {low} to {high} m, outside the travel of axis \"{axis}\", {from} to {to} m"
+            ))
+            .into());
+        }
+        Ok(Some(path))
+    }
+
+    fn sampled(&self, machine: &Machine, path: Option<&Path>) -> Result<Forces> {
+        let inputs = input_names(machine);
+        let duration = self.duration.or(path.map(Path::duration)).unwrap_or(1.0);
+        let mut forces = Forces::none(&inputs, duration, self.rate)?;
+        let everywhere = |forces: &mut Forces, shape: &Shape| (0..inputs.len()).for_each(|j| forces.add(j, shape));
+        if let Some(keys) = &self.impulse {
+            let text = if keys.is_empty() { "impulse".to_owned() } else { format!("impulse,{keys}") };
+            everywhere(&mut forces, &parse_force(&text)?);
+        }
+        for text in &self.forces {
+            let Some((input, shape)) = text.split_once(':') else {
+                let inputs = inputs.join(", ");
+                return Err(UsageError(format!(
+                    "--force: {text:?} is not INPUT:KIND,key=value,..; inputs: {inputs}, all"
+                ))
+                .into());
+            };
+            let shape = parse_force(shape)?;
+            match input.trim() {
+                "all" => everywhere(&mut forces, &shape),
+                name => {
+                    let input = forces.find(name)?;
+                    forces.add(input, &shape);
+                }
+            }
+        }
+        if let Some(file) = &self.force_file {
+            read_force_file(file, &mut forces)?;
+        }
+        if let Some(text) = &self.milling {
+            forces.add_milling(&parse_milling(text, &inputs)?)?;
+        }
+        if self.impulse.is_none() && self.forces.is_empty() && self.force_file.is_none() && self.milling.is_none() {
+            let needed = "give one of --impulse, --force, --force-file, --milling";
+            return Err(UsageError(format!("no force: {needed}")).into());
+        }
+        Ok(forces)
+    }
+
+    /// Refuses what does not go together.
+    fn check(&self, machine: &Machine, path: Option<&Path>) -> Result<(), UsageError> {
+        let nonlinear = machine.joints.iter().any(|j| j.contact.is_some()) && !self.linear;
+        let refused = if path.is_some() && self.overrides.gives_positions() {
+            "--positions and a path exclude each other: a history is at fixed positions or along a path"
+        } else if path.is_some() && self.overrides.modes.is_some() {
+            "--modes is for fixed positions; along a path the basis spans the modes up to twice the highest frequency"
+        } else if self.no_residual && self.overrides.modes.is_none() {
+            "--no-residual needs --modes N: without it all modes of the basis are there and nothing is left out"
+        } else if nonlinear && path.is_some() {
+            "the machine file has friction or backlash, which act at fixed positions only; --linear leaves them out"
+        } else if nonlinear && self.overrides.modes.is_some() {
+            "the machine file has friction or backlash, which need all modes; leave --modes out or say --linear"
+        } else if nonlinear && self.impulse.is_some() {
+            "the machine file has friction or backlash, for which a spectrum has no meaning; say --linear with --impulse"
+        } else {
+            return Ok(());
+        };
+        Err(UsageError(refused.into()))
+    }
+
+    fn model(
+        &self,
+        machine: &Machine,
+        manifest: &mut Manifest,
+        progress: &mut Progress,
+        interrupt: &Interrupt,
+    ) -> Result<CoupledModel> {
+        let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(machine))?;
+        manifest.warnings = mesh_warnings(machine, &meshes);
+        let cache = if self.no_cache { None } else { cache_folder().map(Cache::in_folder) };
+        let cached = progress.stage("reduce parts", machine.parts.len(), |step| {
+            pipeline::reduce_parts(machine, &meshes, cache.as_ref(), interrupt, step)
+        })?;
+        manifest.warnings.extend(pipeline::cache_warnings(&cached));
+        let parts: Vec<_> = cached.into_iter().map(|c| c.superelement).collect();
+        let basis = BASIS * self.highest(machine);
+        let (model, band) =
+            progress.stage("couple", 0, |_| pipeline::build_model(machine, &parts, machine.analysis.modes, basis))?;
+        manifest.warnings.extend(model.side_by_side.overhangs());
+        manifest.counts.push("fixed_basis_coordinates", model.n() as u64);
+        manifest.settings.push("fixed_basis_for_hz", json!(band));
+        Ok(model)
+    }
+
+    /// The highest frequency of interest, Hz.
+    fn highest(&self, machine: &Machine) -> f64 {
+        machine.analysis.frequencies.iter().copied().fold(0.0, f64::max)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one stage of simulate, with its locals")]
+    fn along(
+        &self,
+        machine: &Machine,
+        model: &CoupledModel,
+        path: &Path,
+        forces: &Forces,
+        manifest: &mut Manifest,
+        progress: &mut Progress,
+        interrupt: &Interrupt,
+    ) -> Result<Found> {
+        let options = PathOptions::up_to(self.highest(machine));
+        let range = path.range();
+        let damping = &machine.analysis.damping;
+        let along = progress.stage("basis of the path", PathModel::reported_steps(range, options), |step| {
+            PathModel::new(model, damping, range, options, interrupt, step)
+        })?;
+        let stepping = TravelOptions { recording: self.recording(), ..TravelOptions::default() };
+        let holds = forces.samples().div_ceil(stepping.hold);
+        let result = progress.stage("travel", holds, |step| travel(&along, path, forces, stepping, interrupt, step))?;
+        manifest.counts.push("path_basis_coordinates", along.n() as u64);
+        let name = "energy balance along the path, share of the largest energy";
+        manifest.checks.push(figure(name, result.energy.closure(), 1e-6));
+        Ok(Found::Along(Box::new(result)))
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one stage of simulate, with its locals")]
+    fn fixed(
+        &self,
+        machine: &Machine,
+        model: &CoupledModel,
+        positions: &[f64],
+        forces: &Forces,
+        manifest: &mut Manifest,
+        progress: &mut Progress,
+        interrupt: &Interrupt,
+    ) -> Result<Found> {
+        let damping = &machine.analysis.damping;
+        let modes: Vec<Modes> = progress.stage("modes", positions.len(), |step| {
+            use rayon::prelude::*;
+            let one = |p: &f64| {
+                if interrupt.requested() {
+                    return Err(ResponseError::Interrupted);
+                }
+                let modes = modes_at(model, damping, *p, machine.analysis.modes + 16)?;
+                step();
+                Ok(modes)
+            };
+            positions.par_iter().map(one).collect::<Result<Vec<_>, ResponseError>>()
+        })?;
+        let plant = |m: &Modes| match self.overrides.modes {
+            None => Plant::whole(m),
+            Some(n) => {
+                let residual = !self.no_residual;
+                let options = StateSpaceOptions { modes: n, velocity: false, acceleration: false, residual };
+                Plant::of_state_space(&state_space(m, options))
+            }
+        };
+        let plants: Vec<Plant> = modes.iter().map(plant).collect();
+        manifest.counts.push("positions", plants.len() as u64);
+        manifest.counts.push("modes_most", plants.iter().map(|p| p.omega.len()).max().unwrap_or(0) as u64);
+        if !self.linear && machine.joints.iter().any(|j| j.contact.is_some()) {
+            return self.with_contacts(model, &modes, &plants, forces, progress, interrupt);
+        }
+        let histories = progress.stage("time histories", plants.len(), |step| {
+            simulate_all(&plants, forces, self.recording(), interrupt, step)
+        })?;
+        let mut map = None;
+        let only_pulses = self.forces.iter().all(|f| f.split(':').nth(1).is_some_and(|k| k.starts_with("impulse")));
+        if self.impulse.is_some() || only_pulses && self.force_file.is_none() && self.milling.is_none() {
+            let highest = self.highest(machine).min(0.45 * self.rate);
+            let outputs = model.output_names();
+            let found = progress.stage("spectra", 0, |_| spectra(&plants, &histories, forces, &outputs, highest))?;
+            let name = "spectra of the time histories against the modes from 5 Hz up, share of each peak";
+            manifest.checks.push(figure(name, difference_to_modes(&found, &plants, forces, 5.0)?, 1e-3));
+            map = Some(found);
+        }
+        Ok(Found::Fixed { positions: positions.to_vec(), histories, map })
+    }
+
+    fn with_contacts(
+        &self,
+        model: &CoupledModel,
+        modes: &[Modes],
+        plants: &[Plant],
+        forces: &Forces,
+        progress: &mut Progress,
+        interrupt: &Interrupt,
+    ) -> Result<Found> {
+        let runs = progress.stage("time histories", plants.len(), |step| {
+            let one = |(modes, plant): (&Modes, &Plant)| {
+                let stiffness = model.stiffness(plant.position)?;
+                let joints = elements(model, &model.at(plant.position)?, &stiffness, modes);
+                let run = simulate_contact(plant, &joints, forces, self.recording(), None, interrupt)?;
+                step();
+                Ok((run, joints.into_iter().map(|j| j.joint).collect()))
+            };
+            modes.iter().zip(plants).map(one).collect::<Result<Vec<_>, ResponseError>>()
+        })?;
+        Ok(Found::Contact { positions: plants.iter().map(|p| p.position).collect(), runs })
+    }
+}

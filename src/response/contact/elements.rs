@@ -1,0 +1,83 @@
+//! The nonlinear joints of a machine at a position, in modal coordinates.
+
+use crate::coupling::{AtPosition, CoupledModel};
+use crate::linalg::multiply;
+use crate::machine::{Contact, Friction};
+use crate::modal::Modes;
+use nalgebra::DMatrix;
+
+/// A nonlinear law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// Against sliding.
+    Friction(Friction),
+    /// A spring with play whose stiffness the linear model holds.
+    Backlash {
+        /// Play, m.
+        gap: f64,
+        /// Stiffness, N/m.
+        stiffness: f64,
+    },
+}
+
+/// One nonlinear joint.
+#[derive(Clone, Debug)]
+pub struct Element {
+    /// Joint.
+    pub joint: String,
+    /// Its law.
+    pub law: Law,
+    /// j: relative motion of side 1 against side 0 of each mode, kg^(-1/2); as many as the plant has modes.
+    pub row: Vec<f64>,
+    /// Flexibility of the joint's own sides that no mode carries, m/N.
+    pub flexibility: f64,
+}
+
+impl Friction {
+    /// Force at a sliding speed, N.
+    pub fn at(&self, speed: f64) -> f64 {
+        self.coulomb + (self.breakaway - self.coulomb) * (-(speed / self.stribeck).powi(2)).exp()
+    }
+}
+
+/// The joints with friction or backlash, for the modes of [`super::super::Plant::whole`].
+pub fn elements(model: &CoupledModel, at: &AtPosition, stiffness: &[f64], modes: &Modes) -> Vec<Element> {
+    let coupled = model.coupled(at, stiffness);
+    let kept: Vec<usize> = (0..modes.eigenvalues.len()).filter(|&r| r >= modes.free || modes.is_felt(r)).collect();
+    let shapes = modes.shapes.select_columns(&kept);
+    let mut out = Vec::new();
+    let mut spring = 0;
+    for joint in model.joints() {
+        let first = spring;
+        spring += joint.springs.len();
+        let Some(contact) = joint.contact else { continue };
+        // Friction acts on the row along the travel, which the machine file puts last; a screw has one spring.
+        let row = match contact {
+            Contact::Friction(_) => spring - 1,
+            Contact::Backlash(_) => first,
+        };
+        let motion = multiply(&coupled.elongations.rows(row, 1).into_owned(), &shapes);
+        let law = match contact {
+            Contact::Friction(friction) => Law::Friction(friction),
+            Contact::Backlash(gap) => Law::Backlash { gap, stiffness: stiffness[row] },
+        };
+        out.push(Element {
+            joint: joint.name.clone(),
+            law,
+            row: motion.iter().copied().collect(),
+            flexibility: own_flexibility(at, stiffness, row),
+        });
+    }
+    out
+}
+
+/// C_ss - C_sB D' C_Bs with D' = D^1/2 (I + D^1/2 C D^1/2)^-1 D^1/2.
+fn own_flexibility(at: &AtPosition, stiffness: &[f64], row: usize) -> f64 {
+    let s = stiffness.len();
+    let c = at.residual.view((0, 0), (s, s));
+    let root = |a: usize| stiffness[a].sqrt();
+    let inner = DMatrix::from_fn(s, s, |a, b| root(a) * c[(a, b)] * root(b) + f64::from(u8::from(a == b)));
+    let scaled = DMatrix::from_fn(s, 1, |a, _| root(a) * c[(a, row)]);
+    let inverse = inner.cholesky().expect("I + a positive semidefinite matrix is positive definite").inverse();
+    c[(row, row)] - (scaled.transpose() * inverse * &scaled)[(0, 0)]
+}
