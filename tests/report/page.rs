@@ -5,8 +5,12 @@ use crate::{folder, mill, stiffmap};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 type Complex = nalgebra::Complex<f64>;
+
+/// One browser at a time, so that times are its own.
+static ONE: Mutex<()> = Mutex::new(());
 
 /// Direct responses by position and frequency (in nanometres and microhertz), from a surface file.
 struct Surface(BTreeMap<(i64, i64), Complex>);
@@ -101,11 +105,13 @@ fn the_page_computes_the_runs_map_by_webgpu_and_follows_the_guides() {
         std::fs::metadata(mill().join("modal_database.bin")).unwrap().len()
     );
     assert!(bytes <= 10_000_000, "the page has {bytes} bytes");
+    let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(mut browser) = Browser::open(true, [1500, 1000]) else { return };
     browser.report(&page, "");
     let first = browser.evaluate("stiffmap.timings.first").as_f64().unwrap();
     let engine = browser.evaluate("document.getElementById('engine').textContent");
     println!("{engine}; first surface {first:.0} ms after navigation");
+    assert!(first < 9000.0, "{first:.0} ms");
     assert!(engine.as_str().unwrap().contains("WebGPU ("), "{engine}");
 
     let every: Vec<usize> = (0..121).collect();
@@ -147,7 +153,8 @@ fn the_page_computes_the_runs_map_by_webgpu_and_follows_the_guides() {
     assert_eq!(browser.evaluate("stiffmap.errors"), json!([]));
 }
 
-/// Times from a slider's event to the new surface at 121 x 450 pairs, printed; they are judged on an idle machine.
+/// Times from a slider's event to the frame that shows the new surface at 121 x 450 pairs; docs/report.md says what an
+/// idle machine takes, a busy one may take three times that.
 fn measure(browser: &mut Browser) {
     let ask = "(async () => {
         const page = stiffmap.page;
@@ -159,8 +166,8 @@ fn measure(browser: &mut Browser) {
             slider.value = factor;
             const start = performance.now();
             slider.dispatchEvent(new Event('input', { bubbles: true }));
-            while (page.busy && stiffmap.timings.last.factor !== factor) await new Promise((r) => setTimeout(r, 1));
-            times.push(performance.now() - start);
+            await page.busy;
+            times.push(stiffmap.timings.last.at - start);
         }
         return times;
     })()";
@@ -174,6 +181,7 @@ fn measure(browser: &mut Browser) {
     );
     let split = browser.evaluate("stiffmap.timings.last");
     println!("of the last: {split}");
+    assert!(times[times.len() / 2] < 900.0, "{times:?}");
 }
 
 /// Screenshots: light and dark, the panels further down.
@@ -199,6 +207,7 @@ fn look(browser: &mut Browser) {
 #[test]
 fn without_webgpu_the_page_computes_the_same_in_javascript() {
     let page = mill().join("report.html");
+    let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(mut browser) = Browser::open(false, [1300, 900]) else { return };
     browser.report(&page, "?webgpu=off");
     let engine = browser.evaluate("document.getElementById('engine').textContent");

@@ -17,7 +17,7 @@ class Engine {
   // Opens the device; `off` keeps to JavaScript.
   async open(shader, off) {
     if (off) {
-      this.why = "it was switched off for this page";
+      this.why = "WebGPU was switched off for this page";
       return;
     }
     const { gpu, why } = await Gpu.open(shader);

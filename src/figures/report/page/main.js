@@ -153,7 +153,7 @@ class Page {
     await this.painted();
     const drawn = performance.now();
     const [all, solve, sum, draw] = [drawn - started, solved - started, summed - solved, drawn - summed];
-    stiffmap.timings.last = { all, solve, sum, draw, factor: factors.guides };
+    stiffmap.timings.last = { all, solve, sum, draw, factor: factors.guides, at: drawn };
     const split = `${solve.toFixed(0)} to solve, ${sum.toFixed(0)} to sum, ${draw.toFixed(0)} to draw`;
     $("timing").textContent = `${this.order.length} × ${grid.length} pairs in ${all.toFixed(0)} ms (${split})`;
     $("engine").textContent = `Maps computed by ${engine.engineName()}`;
@@ -277,7 +277,7 @@ class Page {
     for (let r = 1; r < listed; r++) if (values[r * listed + r] < values[worst * listed + worst]) worst = r;
     const [a, b] = [position, reference].map((p) => `${mm(this.db.positions[p])} mm`);
     $("mac-caption").textContent =
-      `Rows: ranks 1 to ${listed} at ${a}, from below; columns: at ${b}. Smallest on the diagonal: ${digits(values[worst * listed + worst], 3)} at rank ${worst + 1}.`;
+      `Rows: ranks 1 to ${listed} at ${a}; columns: at ${b}. Smallest on the diagonal: ${digits(values[worst * listed + worst], 3)} at rank ${worst + 1}.`;
   }
 
   setColours() {

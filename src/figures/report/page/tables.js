@@ -65,9 +65,14 @@ function modeTable(db, p, system, changed) {
 // MAC between the modes at two positions, on a canvas: rows the first, columns the second.
 function drawMac(canvas, db, p, q, scale) {
   const [listed, rank] = [db.shape("shape_coefficient")[1], db.shape("shape_coefficient")[2]];
-  const side = Math.max(4, Math.floor(Math.min(canvas.parentElement.clientWidth, 420) / listed));
-  canvas.width = canvas.height = side * listed;
+  const [left, below, key] = [48, 44, 62];
+  const side = Math.max(4, Math.floor((Math.min(canvas.parentElement.clientWidth, 530) - left - key) / listed));
+  const whole = side * listed;
+  // Twice the pixels, for print.
+  [canvas.width, canvas.height] = [2 * (left + whole + key), 2 * (whole + below)];
+  [canvas.style.width, canvas.style.height] = [`${left + whole + key}px`, `${whole + below}px`];
   const context = canvas.getContext("2d");
+  context.scale(2, 2);
   const colours = scaleColours(scale);
   const values = [];
   for (let a = 0; a < listed; a++) {
@@ -75,14 +80,36 @@ function drawMac(canvas, db, p, q, scale) {
       const mac = macOf(db, rank, listed, p, a, q, b);
       values.push(mac);
       context.fillStyle = `rgb(${colourAt(colours, mac).join(",")})`;
-      context.fillRect(b * side, (listed - 1 - a) * side, side, side);
+      context.fillRect(left + b * side, (listed - 1 - a) * side, side, side);
     }
   }
+  // Ranks along both sides, and what the colours mean.
+  for (let y = 0; y < whole; y++) {
+    context.fillStyle = `rgb(${colourAt(colours, 1 - y / (whole - 1)).join(",")})`;
+    context.fillRect(left + whole + 16, y, 14, 1);
+  }
+  context.fillStyle = css("--ink");
+  context.font = "12px system-ui, sans-serif";
+  const write = (text, x, y, align) => {
+    context.textAlign = align;
+    context.textBaseline = "middle";
+    context.fillText(text, x, y);
+  };
+  for (let rank = 1; rank <= listed; rank = rank === 1 ? 5 : rank + 5) {
+    const centre = (rank - 0.5) * side;
+    write(String(rank), left - 6, whole - centre, "right");
+    write(String(rank), left + centre, whole + 12, "center");
+  }
+  for (const value of [0, 0.5, 1]) write(String(value), left + whole + 36, 7 + (1 - value) * (whole - 14), "left");
+  write(`rank at ${mm(db.positions[q])} mm`, left + whole / 2, whole + 32, "center");
+  context.translate(10, whole / 2);
+  context.rotate(-Math.PI / 2);
+  write(`rank at ${mm(db.positions[p])} mm`, 0, 0, "center");
   const best = [];
   for (let a = 0; a < listed; a++) best.push(Math.max(...values.slice(a * listed, (a + 1) * listed)));
   const weakest = best.indexOf(Math.min(...best));
   canvas.setAttribute("aria-label", `MAC matrix; weakest best match ${best[weakest].toFixed(2)} for rank ${weakest + 1}`);
-  return { values, side, listed };
+  return { values, listed };
 }
 
 // What was run, from the manifest.
