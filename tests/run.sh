@@ -10,7 +10,8 @@ has_vulkan() {
 }
 
 has_loader() {
-    PATH="$PATH:/sbin:/usr/sbin" ldconfig -p | grep -q 'libvulkan\.so\.1'
+    # Not by a pipe into grep -q, which ends ldconfig half way: a failure under pipefail.
+    [[ "$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p)" == *libvulkan.so.1* ]]
 }
 
 missing=()
