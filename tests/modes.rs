@@ -186,3 +186,21 @@ fn tracking_a_real_machine_keeps_every_mode_once() {
         );
     }
 }
+
+#[test]
+fn many_positions_are_solved_as_few_without_their_shapes() {
+    use stiffmap::interrupt::Interrupt;
+    use stiffmap::pipeline::{solve_many_positions, solve_positions};
+    let model = model(|_| ());
+    // More than are solved together.
+    let positions: Vec<f64> = (0..80).map(|k| 0.3 - 0.0075 * f64::from(k)).collect();
+    let go = Interrupt::default();
+    let few = solve_positions(&slide().machine, &model, &positions, 10, &go, &|| ()).unwrap();
+    let many = solve_many_positions(&slide().machine, &model, &positions, 10, &go, &|| ()).unwrap();
+    assert_eq!(few.families.modes, many.families.modes);
+    assert_eq!(few.counts, many.counts);
+    for (a, b) in few.modes.iter().zip(&many.modes) {
+        assert_eq!((&a.eigenvalues, &a.outputs, &a.direct), (&b.eigenvalues, &b.outputs, &b.direct));
+    }
+    assert!(many.modes[1..].iter().all(|m| m.shapes.is_empty()) && few.modes.iter().all(|m| !m.shapes.is_empty()));
+}

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the tests need where it is missing, runs every test, and ends with one line of sums.
-# Arguments go to `cargo test --release`.
+# Arguments go to `cargo test --release --all-features`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -41,15 +41,25 @@ if ((${#missing[@]})); then
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
 fi
 
-# The environment holds a copy of the list that it was made from.
+# Python with the formats' own readers; it holds a copy of the list that it was made from.
 environment=target/test-venv
-if ! cmp -s tests/requirements.txt "$environment/requirements.txt"; then
+make_environment() {
     rm -rf "$environment"
     mkdir -p target
     python3 -m venv "$environment"
     "$environment/bin/python" -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt
     cp tests/requirements.txt "$environment/requirements.txt"
+}
+making=
+if ! cmp -s tests/requirements.txt "$environment/requirements.txt"; then
+    make_environment &
+    making=$!
 fi
+
+# What is built and run: everything, with the features that are off by default.
+tests=(cargo test --release --all-features)
+"${tests[@]}" --no-run "$@"
+[[ -z "$making" ]] || wait "$making"
 
 # A cache of its own, empty at the start: tests neither read nor write the user's.
 rm -rf target/test-cache
@@ -60,7 +70,7 @@ export STIFFMAP_CACHE="$PWD/target/test-cache"
 
 log=target/test-output.txt
 status=0
-cargo test --release --no-fail-fast "$@" 2>&1 | tee "$log" || status=$?
+"${tests[@]}" --no-fail-fast "$@" 2>&1 | tee "$log" || status=$?
 awk '/^test result:/ {
     for (i = 2; i <= NF; i++) {
         if ($i == "passed;") passed += $(i - 1)

@@ -23,6 +23,9 @@ use stiffmap::pipeline::{self, PipelineError, Solved};
 use stiffmap::reduction::Cache;
 use stiffmap::state_space::StateSpaceOptions;
 
+/// Shapes in the fixed basis up to this many bytes are kept for all positions, however small the map's memory.
+const KEPT_SHAPES: u64 = 256 << 20;
+
 /// Tolerance of the truncation, relative to the Frobenius norm of the receptance.
 const TRUNCATION: f64 = 1e-4;
 
@@ -129,7 +132,8 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     check_state_space(axes.positions.len(), reported)?;
     let limit = map_limit(arguments.map_memory);
     let shapes = (axes.positions.len() * model.n() * model.n() * size_of::<f64>()) as u64;
-    let solve = if axes.bytes() + shapes > limit { pipeline::solve_many_positions } else { pipeline::solve_positions };
+    let few = shapes <= limit.max(KEPT_SHAPES);
+    let solve = if few { pipeline::solve_positions } else { pipeline::solve_many_positions };
     let solved = progress.stage("modes", axes.positions.len(), |step| {
         solve(&machine, &model, &axes.positions, reported, interrupt, step)
     })?;

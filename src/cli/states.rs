@@ -82,7 +82,7 @@ impl StateArguments {
             }
             Some(Err(StateSpaceError::Order { .. })) => "the positions neither all ascend nor all descend",
             Some(Err(error)) => return Err(error.into()),
-            None => "so many positions are solved without keeping their shapes (--map-memory)",
+            None => "so many positions are solved without keeping their shapes; more memory for them: --map-memory",
         };
         manifest.warnings.push(format!("{reason}: state_space.mat holds no aligned matrices"));
         let state = |i: usize| Cow::Owned(written(state_space(&modes[i], options)));

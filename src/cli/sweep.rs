@@ -48,9 +48,12 @@ pub struct Arguments {
     /// Where the coupling route looks for extrema; gpu without an adapter is an error
     #[arg(long, default_value = "auto", value_name = "auto|cpu|gpu", value_parser = parse_backend)]
     backend: Backend,
-    /// Write the sensitivities of the best design's metrics to its variables
-    #[arg(long, conflicts_with = "merge")]
-    pub(super) sensitivities: bool,
+    /// Write the sensitivities of a design's metrics to its variables; of the best design without a number
+    #[arg(long, value_name = "DESIGN", num_args = 0..=1, require_equals = true)]
+    pub(super) sensitivities: Option<Option<u64>>,
+    /// Write the table as designs.parquet too (in builds with the feature `parquet`)
+    #[arg(long)]
+    pub(super) parquet: bool,
     /// Draw no pictures
     #[arg(long)]
     pub(super) no_figures: bool,
@@ -64,10 +67,16 @@ pub struct Arguments {
 
 /// Runs a sweep, or joins its shards.
 pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
+    if arguments.parquet && !cfg!(feature = "parquet") {
+        let said =
+            "--parquet: this stiffmap was built without it; build it with `cargo build --release --features parquet`";
+        return Err(UsageError(said.into()).into());
+    }
     let mut progress = Progress::new(arguments.json);
     let study = read_study(&arguments.study)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(slug(&study.name)));
-    check_maps(&study, &arguments.maps)?;
+    check_designs(&study, "--maps", &arguments.maps)?;
+    check_designs(&study, "--sensitivities", arguments.sensitivities.flatten().as_slice())?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let range = shard.range(study.sampling.designs);
     check_room(&study, range.end - range.start, arguments.maps.len(), &out)?;
@@ -183,15 +192,25 @@ fn join(arguments: &Arguments, study: &Study, out: &Path, mut progress: Progress
     read_rows(&table, study, &text, &(0..study.sampling.designs), &|_| None, &mut |row| rows.push(row))?;
     write_bytes(&table, &text)?;
     write_record(&record, out)?;
-    let mut manifest = Manifest {
-        name: study.name.clone(),
-        machine_file: study.machine.file.display().to_string(),
-        ..Manifest::default()
+    // The best design beside the nominal one, and sensitivities, need the machine; the table does not.
+    let needs_machine = !arguments.no_figures || arguments.sensitivities.is_some();
+    let reduced = if needs_machine {
+        reduce(study, arguments.no_cache, &mut progress, interrupt)?
+    } else {
+        Reduced { superelements: Vec::new(), warnings: Vec::new(), parts_from_cache: 0 }
     };
-    describe(study, &record, &mut manifest);
+    let evaluator = if needs_machine {
+        let route = if record.route == "coupling" { Route::Coupling } else { Route::Modes };
+        let backend = open_backend(study, route, arguments.backend)?;
+        Some(choose(study, &reduced.superelements, route, backend, interrupt)?.0)
+    } else {
+        None
+    };
+    let mut manifest = begin_manifest(study, &record, &reduced);
     manifest.settings.push("route", json!(record.route));
     manifest.counts.push("shards_joined", arguments.merge.len() as u64);
-    let finished = Finished { study, rows: &rows, whole: true, evaluator: None, superelements: &[], out };
+    let superelements = &reduced.superelements;
+    let finished = Finished { study, rows: &rows, whole: true, evaluator: evaluator.as_deref(), superelements, out };
     write_results(&finished, arguments, manifest, &mut progress, interrupt)
 }
 
@@ -202,10 +221,12 @@ fn same_folder(a: &Path, b: &Path) -> bool {
     }
 }
 
-fn check_maps(study: &Study, maps: &[u64]) -> Result<(), UsageError> {
+fn check_designs(study: &Study, option: &str, asked: &[u64]) -> Result<(), UsageError> {
     let designs = study.sampling.designs;
-    match maps.iter().find(|map| **map >= designs) {
-        Some(map) => Err(UsageError(format!("--maps: there is no design {map}; allowed: 0 to {}", designs - 1))),
+    match asked.iter().find(|design| **design >= designs) {
+        Some(design) => {
+            Err(UsageError(format!("{option}: there is no design {design}; allowed: 0 to {}", designs - 1)))
+        }
         None => Ok(()),
     }
 }

@@ -27,7 +27,7 @@ pub struct Finished<'a> {
     pub rows: &'a [Row],
     /// Whether the rows are the whole sample and not a shard.
     pub whole: bool,
-    /// What answered the designs; none where shards were joined.
+    /// What answers designs; none where shards are joined and nothing but the table is wanted.
     pub evaluator: Option<&'a dyn Evaluator>,
     pub superelements: &'a [Superelement],
     pub out: &'a Path,
@@ -43,6 +43,11 @@ pub fn write_results(
 ) -> Result<()> {
     let Finished { study, rows, whole, out, .. } = *finished;
     let mut files = vec![TABLE.to_owned(), RECORD.to_owned()];
+    #[cfg(feature = "parquet")]
+    if arguments.parquet {
+        stiffmap::export::parquet::write_designs(&out.join("designs.parquet"), study, rows)?;
+        files.push("designs.parquet".into());
+    }
     let failed = rows.iter().filter(|row| row.error.is_some()).count();
     manifest.counts.push("rows", rows.len() as u64);
     manifest.counts.push("rows_with_errors", failed as u64);
@@ -75,7 +80,11 @@ pub fn write_results(
         files.extend(written);
     }
     let best = best(study, rows);
-    if let Some(row) = best.filter(|_| arguments.sensitivities) {
+    let of = arguments.sensitivities.map(|asked| match asked {
+        Some(index) => rows.iter().find(|row| row.index == index),
+        None => best,
+    });
+    if let Some(row) = of.flatten() {
         let text = progress.stage("sensitivities", 0, |_| rates(study, finished.superelements, row, interrupt))?;
         write_bytes(&out.join("sensitivities.csv"), &text)?;
         files.push("sensitivities.csv".into());

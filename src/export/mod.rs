@@ -16,6 +16,7 @@
 //! | `surface_<out><in>.csv` | one response of a map | [`surface::write_surface`], [`stream::MapStream`] |
 //! | `surface_<out><in>.vts` | one response of a map | [`vts::write_surface`] |
 //! | `mode_shapes_<axis>_<mm>_mm.vtu` | shapes at a position | [`vtu::write_mode_shapes`] |
+//! | `designs.parquet` | [`Row`](crate::sweep::table::Row)s | `parquet::write_designs` (feature `parquet`) |
 //! | `manifest.json` | [`manifest::Manifest`] | [`manifest::Manifest::write`] |
 
 pub mod atomic;
@@ -29,6 +30,8 @@ pub mod mat;
 pub mod mat5;
 pub mod matrix_market;
 pub mod npy;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod response;
 pub mod stream;
 pub mod surface;

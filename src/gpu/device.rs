@@ -118,7 +118,10 @@ impl Gpu {
         for scope in scopes.into_iter().rev() {
             caught = pollster::block_on(scope.pop()).or(caught);
         }
-        // A lost device also fails validation; its loss is the cause.
+        // A lost device also fails validation; its loss is the cause, and that of an idle one is told at a poll.
+        if caught.is_some() {
+            self.device.poll(wgpu::PollType::Poll).ok();
+        }
         self.check(doing)?;
         let adapter = self.summary.name.clone();
         match caught {

@@ -99,3 +99,37 @@ fn usage_that_makes_no_sense_is_refused() {
     assert!(stderr(&missing).contains("nothing.toml: cannot read the study file"), "{}", stderr(&missing));
     assert!(!out_of(&folder).exists());
 }
+
+#[test]
+fn a_device_gives_the_processors_table() {
+    let folder = folder_with(STUDY);
+    for (out, backend) in [("cpu", "cpu"), ("gpu", "gpu")] {
+        let run = sweep(folder.path(), out, &["--route", "coupling", "--backend", backend]);
+        let none = run.status.code() != Some(0) && stderr(&run).contains("no adapter");
+        if backend == "gpu" && none && std::env::var("STIFFMAP_GPU").is_ok_and(|v| v != "require") {
+            eprintln!("skipped: no adapter");
+            return;
+        }
+        done(&run);
+        assert_eq!(manifest(folder.path(), out)["settings"]["route"], "coupling");
+    }
+    let of = |out: &str| manifest(folder.path(), out)["backend"]["backend"].as_str().unwrap().to_owned();
+    assert_eq!((of("cpu").as_str(), of("gpu").as_str()), ("cpu", "gpu"));
+    for name in ["stiffness_x [N/m]", "stiffness_z [N/m]"] {
+        let (a, b) = (numbers(&table(folder.path(), "cpu"), name), numbers(&table(folder.path(), "gpu"), name));
+        let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs() / a).fold(0.0, f64::max);
+        assert!(apart < 1e-9, "{name}: {apart:.1e}");
+    }
+}
+
+#[test]
+fn sensitivities_of_a_design_that_is_not_there_are_refused() {
+    let folder = folder_with(STUDY);
+    let refused = sweep(folder.path(), "out", &["--sensitivities=24"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        stderr(&refused).contains("--sensitivities: there is no design 24; allowed: 0 to 23"),
+        "{}",
+        stderr(&refused)
+    );
+}

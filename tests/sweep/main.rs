@@ -5,6 +5,7 @@ mod dask;
 mod goals;
 mod interrupted;
 mod optimum;
+mod parquet;
 mod refusals;
 mod routes;
 mod samples;

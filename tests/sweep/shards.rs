@@ -32,6 +32,23 @@ fn three_shards_joined_are_the_table_of_one_run() {
     done(&sweep(path, "whole", &["--merge", "b", "a", "c"]));
     assert_eq!(table(path, "whole"), reference());
     assert!(path.join("whole/pareto.csv").exists());
+    let mut drawn = stiffmap();
+    drawn.current_dir(path).args([
+        "sweep",
+        "study.toml",
+        "--out",
+        "drawn",
+        "--sensitivities=3",
+        "--merge",
+        "b",
+        "a",
+        "c",
+    ]);
+    done(&drawn.output().unwrap());
+    assert_eq!(table(path, "drawn"), reference());
+    for file in ["figures/best_over_position.png", "figures/front.png", "sensitivities.csv"] {
+        assert!(path.join("drawn").join(file).is_file(), "{file}");
+    }
 
     let refused = |folders: &[&str], fragments: &[&str]| {
         let output = sweep(path, "refused", &[&["--merge"], folders].concat());
