@@ -47,6 +47,9 @@ fn pyarrow_reads_the_table_that_csv_holds() {
     let more = "[variables.support]\npath = \"joints.screw.support\"\nvalues = [\"one-end\", \"both-ends\"]\n\n\
                 [variables.span]\npath = \"joints.screw.span\"\nrange = [\"100 mm\", \"1500 mm\"]\n\n[sampling]";
     let folder = folder_with(&changed("[sampling]", more));
+    let screw = "diameter = \"16 mm\"";
+    let held = MACHINE.replacen(screw, &format!("{screw}\nsupport = \"both-ends\"\nspan = \"1300 mm\""), 1);
+    std::fs::write(folder.path().join("machine.toml"), held).unwrap();
     let out = folder.path().join("out");
     done(&sweep(folder.path(), "out", &["--parquet"]));
     let compare = || {
