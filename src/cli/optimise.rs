@@ -3,6 +3,7 @@
 use super::UsageError;
 use super::evaluator::{Route, choose, reduce};
 use super::progress::Progress;
+use super::record;
 use super::run::{relative, slug};
 use super::sweep_figures::{Best, draw_best};
 use super::sweep_progress::Rate;
@@ -139,10 +140,8 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     }
     manifest.counts.push("evaluations", found.rows.len() as u64);
     manifest.counts.push("evaluations_done_before", known.len() as u64);
-    manifest.seconds.push("evaluations", super::sweep::round(rate.seconds()));
-    for (stage, seconds) in progress.seconds() {
-        manifest.seconds.push(stage.clone(), super::sweep::round(*seconds));
-    }
+    manifest.seconds.push("evaluations", record::round(rate.seconds()));
+    record::seconds(&mut manifest, &progress);
     files.push("manifest.json".into());
     manifest.files = files;
     manifest.write(&manifest_file)?;

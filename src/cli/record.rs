@@ -1,6 +1,7 @@
 //! What a run writes into its manifest.
 
 use super::map::{Axes, Map};
+use super::progress::Progress;
 use super::run::{Arguments, Outcome};
 use super::summary;
 use anyhow::{Context, Result};
@@ -93,4 +94,17 @@ pub fn extrema(manifest: &mut Manifest, outcome: &Outcome) {
         quantity => settings.push(format!("largest_{}", quantity.name()), json!(summary::largest(outcome))),
     }
     settings.push("most_negative_real_part", json!(summary::most_negative_real(outcome)));
+}
+
+/// The stages' times so far, after what else was timed.
+pub fn seconds(manifest: &mut Manifest, progress: &Progress) {
+    for (stage, seconds) in progress.seconds() {
+        manifest.seconds.0.retain(|(known, _)| known != stage);
+        manifest.seconds.push(stage.clone(), round(*seconds));
+    }
+}
+
+/// A time or rate to four digits behind the point.
+pub fn round(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }

@@ -12,6 +12,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::export::manifest::{Check, Manifest};
+use stiffmap::export::response::safe;
 use stiffmap::export::{eigenfrequencies, mat5};
 use stiffmap::frf::metrics::PairMetrics;
 use stiffmap::frf::{FrfRequest, ModalSystem, Selection, Truncation, modal_systems};
@@ -281,7 +282,7 @@ fn write(
         files.extend(surfaces.iter().map(|p| relative(p, out)));
         go_on()?;
         let database = progress.stage("modal database", 0, |_| look.database(outcome))?;
-        take_seconds(manifest, progress);
+        record::seconds(manifest, progress);
         manifest.files = files.clone();
         go_on()?;
         let written = progress.stage("report page", 0, |_| write_report(out, &database, manifest))?;
@@ -290,17 +291,9 @@ fn write(
     go_on()?;
     files.push("manifest.json".into());
     manifest.files = files;
-    take_seconds(manifest, progress);
+    record::seconds(manifest, progress);
     manifest.write(&out.join("manifest.json"))?;
     Ok(())
-}
-
-/// The stages' times so far.
-fn take_seconds(manifest: &mut Manifest, progress: &Progress) {
-    manifest.seconds.0.clear();
-    for (stage, seconds) in progress.seconds() {
-        manifest.seconds.push(stage.clone(), (seconds * 1e4).round() / 1e4);
-    }
 }
 
 pub(super) fn mesh_warnings(machine: &Machine, meshes: &[stiffmap::mesh::MeshFile]) -> Vec<String> {
@@ -330,7 +323,7 @@ pub(super) fn relative(path: &Path, folder: &Path) -> String {
 
 /// A name as a folder: `vertical mill` becomes `vertical_mill`.
 pub(super) fn slug(name: &str) -> String {
-    let slug: String = name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
+    let slug = safe(name);
     let slug = slug.trim_matches('_').to_string();
     if slug.is_empty() { "machine".into() } else { slug }
 }

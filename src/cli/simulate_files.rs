@@ -1,13 +1,14 @@
 //! What a simulation writes and prints.
 
 use super::progress::Progress;
+use super::record;
 use super::run::relative;
 use super::simulate::Arguments;
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use stiffmap::export::history::{write_csv, write_mat};
 use stiffmap::export::manifest::Manifest;
-use stiffmap::export::response::Response;
+use stiffmap::export::response::{Response, safe};
 use stiffmap::export::{atomic, mat, surface};
 use stiffmap::figures::{HeightScale, draw_history, draw_spectrum, draw_surfaces};
 use stiffmap::frf::ComplianceMap;
@@ -66,7 +67,7 @@ pub fn write(
                     mat::write_compliance(&out.join("spectra.mat"), map)?;
                     for (output, name) in map.outputs.iter().enumerate() {
                         go_on()?;
-                        let label = name.replace(|c: char| !(c.is_alphanumeric() || c == '-'), "_");
+                        let label = safe(name);
                         let file = out.join(format!("spectrum_{label}.csv"));
                         surface::write_surface(&file, map, &Response { output, input: 0, label })?;
                         files.push(file);
@@ -98,9 +99,7 @@ pub fn write(
     go_on()?;
     files.push(out.join("manifest.json"));
     manifest.files = files.iter().map(|p| relative(p, out)).collect();
-    for (stage, seconds) in progress.seconds() {
-        manifest.seconds.push(stage.clone(), (seconds * 1e4).round() / 1e4);
-    }
+    record::seconds(manifest, progress);
     manifest.write(&out.join("manifest.json"))?;
     Ok(())
 }

@@ -3,6 +3,7 @@
 use super::UsageError;
 use super::evaluator::{Reduced, Route, choose, open_backend, reduce};
 use super::progress::Progress;
+use super::record::round;
 use super::run::{parse_backend, slug, without_nulls};
 use super::sweep_files::{Finished, write_results};
 use super::sweep_progress::Rate;
@@ -252,9 +253,4 @@ fn write_record(record: &Record, out: &Path) -> Result<()> {
     let mut text = serde_json::to_vec_pretty(record)?;
     text.push(b'\n');
     Ok(write_bytes(&out.join(RECORD), &text)?)
-}
-
-/// Four decimals are enough for seconds and rates.
-pub(super) fn round(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
 }

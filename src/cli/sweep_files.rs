@@ -1,6 +1,7 @@
 //! What a finished sweep leaves beside its table: front, maps, pictures, manifest.
 
 use super::progress::Progress;
+use super::record;
 use super::run::relative;
 use super::sweep::Arguments;
 use super::sweep_figures::{Best, draw_best, draw_rows};
@@ -106,9 +107,7 @@ pub fn write_results(
     }
     files.push("manifest.json".into());
     manifest.files = files;
-    for (stage, seconds) in progress.seconds() {
-        manifest.seconds.push(stage.clone(), super::sweep::round(*seconds));
-    }
+    record::seconds(&mut manifest, progress);
     manifest.write(&out.join("manifest.json"))?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);

@@ -178,10 +178,8 @@ impl CoupledModel {
         let above = Above::new(rows, eigenvalues, &wanted, omega_squared, options.tolerance)?;
 
         let kept = beside(&modal.columns(0, low).into_owned(), &multiply(&above.rows, &above.directions));
-        let to_springs = at.residual.columns(0, s).into_owned();
-        let in_base = &at.residual - multiply(&to_springs, &multiply(&self.series(at, base), &to_springs.transpose()));
         let response = above.response();
-        let residual = in_base + multiply(&above.rows, &response);
+        let residual = self.residual_in_place(at, base) + multiply(&above.rows, &response);
         let springs = kept.rows(0, s).into_owned();
 
         let upper = eigen.vectors.columns_range(low..).into_owned();

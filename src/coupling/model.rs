@@ -261,6 +261,13 @@ impl CoupledModel {
         DMatrix::from_fn(s, s, |a, b| root[a] * inverse[(a, b)] * root[b])
     }
 
+    /// The residual flexibility of springs, outputs and inputs with all springs in place, C - C_.s D' C_s., m/N.
+    pub fn residual_in_place(&self, at: &AtPosition, stiffness: &[f64]) -> DMatrix<f64> {
+        let to_springs = at.residual.columns(0, at.springs.nrows()).into_owned();
+        let in_series = multiply(&self.series(at, stiffness), &to_springs.transpose());
+        &at.residual - multiply(&to_springs, &in_series)
+    }
+
     /// The machine at a position with given spring stiffnesses (N/m or N m/rad, not negative).
     pub fn coupled(&self, at: &AtPosition, stiffness: &[f64]) -> Coupled {
         let (s, o, i) = (at.springs.nrows(), at.outputs.nrows(), at.inputs.nrows());

@@ -58,6 +58,7 @@ fn short(name: &str) -> String {
     safe(name.rsplit(['.', ' ', ':', '/']).next().unwrap_or(name))
 }
 
-fn safe(name: &str) -> String {
+/// A name as part of a file's name: letters, digits and hyphens stay, the rest becomes `_`.
+pub fn safe(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }

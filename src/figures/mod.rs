@@ -38,7 +38,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::export::response::{Response, direct_responses};
+use crate::export::response::{self, Response, direct_responses};
 use crate::export::{ExportError, atomic};
 use crate::frf::{ComplianceMap, FrfError};
 use crate::modal::ModeFamilies;
@@ -170,9 +170,8 @@ pub fn draw_surfaces(
     height: HeightScale,
     folder: &Path,
 ) -> Result<Vec<PathBuf>, FigureError> {
-    let safe = |name: &str| name.replace(|c: char| !(c.is_alphanumeric() || c == '-'), "_");
     let responses: Vec<Response> = (map.outputs.iter().enumerate())
-        .map(|(output, name)| Response { output, input: 0, label: safe(name) })
+        .map(|(output, name)| Response { output, input: 0, label: response::safe(name) })
         .collect();
     let pictures: Vec<(&Response, bool)> = responses.iter().flat_map(|r| [(r, true), (r, false)]).collect();
     pictures

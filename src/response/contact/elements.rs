@@ -4,7 +4,6 @@ use crate::coupling::{AtPosition, CoupledModel};
 use crate::linalg::multiply;
 use crate::machine::{Contact, Friction};
 use crate::modal::Modes;
-use nalgebra::DMatrix;
 
 /// A nonlinear law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +42,7 @@ impl Friction {
 /// The joints with friction or backlash, for the modes of [`super::super::Plant::whole`].
 pub fn elements(model: &CoupledModel, at: &AtPosition, stiffness: &[f64], modes: &Modes) -> Vec<Element> {
     let coupled = model.coupled(at, stiffness);
+    let residual = model.residual_in_place(at, stiffness);
     let kept: Vec<usize> = (0..modes.eigenvalues.len()).filter(|&r| r >= modes.free || modes.is_felt(r)).collect();
     let shapes = modes.shapes.select_columns(&kept);
     let mut out = Vec::new();
@@ -65,19 +65,8 @@ pub fn elements(model: &CoupledModel, at: &AtPosition, stiffness: &[f64], modes:
             joint: joint.name.clone(),
             law,
             row: motion.iter().copied().collect(),
-            flexibility: own_flexibility(at, stiffness, row),
+            flexibility: residual[(row, row)],
         });
     }
     out
-}
-
-/// C_ss - C_sB D' C_Bs with D' = D^1/2 (I + D^1/2 C D^1/2)^-1 D^1/2.
-fn own_flexibility(at: &AtPosition, stiffness: &[f64], row: usize) -> f64 {
-    let s = stiffness.len();
-    let c = at.residual.view((0, 0), (s, s));
-    let root = |a: usize| stiffness[a].sqrt();
-    let inner = DMatrix::from_fn(s, s, |a, b| root(a) * c[(a, b)] * root(b) + f64::from(u8::from(a == b)));
-    let scaled = DMatrix::from_fn(s, 1, |a, _| root(a) * c[(a, row)]);
-    let inverse = inner.cholesky().expect("I + a positive semidefinite matrix is positive definite").inverse();
-    c[(row, row)] - (scaled.transpose() * inverse * &scaled)[(0, 0)]
 }

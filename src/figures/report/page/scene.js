@@ -145,7 +145,10 @@ function scaleUniform(name) {
   return scaleColours(name).map((c) => new THREE.Vector3(c[0] / 255, c[1] / 255, c[2] / 255));
 }
 
+// Fragments of a lit surface that is coloured by t, 0 to 1.
 const SCALE_SHADER = `
+varying float t;
+varying vec3 place;
 uniform vec3 colours[COLOURS];
 vec3 scaleColour(float t) {
   float at = clamp(t, 0.0, 1.0) * float(COLOURS - 1);
@@ -156,5 +159,8 @@ vec3 lit(vec3 colour, vec3 place) {
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   float light = abs(dot(normal, normalize(vec3(0.4, 0.8, 0.45))));
   return colour * (0.62 + 0.42 * light);
+}
+void main() {
+  gl_FragColor = vec4(lit(scaleColour(t), place), 1.0);
 }
 `;

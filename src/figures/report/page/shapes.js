@@ -30,13 +30,7 @@ class Shapes {
           place = at;
           gl_Position = projectionMatrix * modelViewMatrix * vec4(at, 1.0);
         }`,
-      fragmentShader: `
-        varying float t;
-        varying vec3 place;
-        ${SCALE_SHADER}
-        void main() {
-          gl_FragColor = vec4(lit(scaleColour(t), place), 1.0);
-        }`,
+      fragmentShader: SCALE_SHADER,
     });
     const geometry = new THREE.BufferGeometry();
     this.places = new THREE.BufferAttribute(new Float32Array(nodes.length), 3);

@@ -22,13 +22,7 @@ class Surface {
           place = at;
           gl_Position = projectionMatrix * modelViewMatrix * vec4(at, 1.0);
         }`,
-      fragmentShader: `
-        varying float t;
-        varying vec3 place;
-        ${SCALE_SHADER}
-        void main() {
-          gl_FragColor = vec4(lit(scaleColour(t), place), 1.0);
-        }`,
+      fragmentShader: SCALE_SHADER,
     });
     this.lineMaterial = new THREE.ShaderMaterial({
       uniforms: { ink: { value: new THREE.Vector3() } },
