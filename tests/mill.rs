@@ -50,7 +50,7 @@ fn craig_bampton() -> &'static CoupledModel {
 }
 
 fn modes_of(model: &CoupledModel, position: f64) -> Modes {
-    modes_at(model, &mill().machine.analysis.damping, position, 150).expect("modes")
+    modes_at(model, &mill().machine.analysis.damping, position).expect("modes")
 }
 
 struct Reference {

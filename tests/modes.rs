@@ -25,7 +25,7 @@ fn model(change: impl Fn(&mut Machine)) -> CoupledModel {
 }
 
 fn undamped(model: &CoupledModel, position: f64) -> Modes {
-    modes_at(model, &ratio(0.0), position, model.n()).expect("modes")
+    modes_at(model, &ratio(0.0), position).expect("modes")
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn the_energies_of_parts_and_joints_add_up_to_the_last_digit() {
 fn ratios_rayleigh_and_loss_factors_add_up() {
     let model = model(|_| {});
     let damping = Damping { ratios: vec![0.01, 0.02], rayleigh: Some([3.0, 1e-6]), loss_factor: 0.004 };
-    let modes = modes_at(&model, &damping, 0.0, 20).expect("modes");
+    let modes = modes_at(&model, &damping, 0.0).expect("modes");
     for r in 0..10 {
         let omega = TAU * modes.frequency(r);
         let expected = if r == 0 { 0.01 } else { 0.02 } + 0.5 * (3.0 / omega + 1e-6 * omega);
@@ -169,7 +169,7 @@ fn tracking_a_real_machine_keeps_every_mode_once() {
     let model =
         model(|m| m.joints.push(springs("stop", [side(0, 1), side(1, 1)], vec![spring(Motion::Translation, 0, 1e4)])));
     let stations: Vec<Modes> = slide().machine.axis.stations().into_iter().map(|p| undamped(&model, p)).collect();
-    let families = track(&stations, 8, &|p| modes_at(&model, &ratio(0.0), p, 20)).expect("tracks");
+    let families = track(&stations, 8, &|p| modes_at(&model, &ratio(0.0), p)).expect("tracks");
     assert_eq!(families.positions, slide().machine.axis.stations());
     for (modes, row) in stations.iter().zip(&families.modes) {
         assert_eq!(row.len(), 8);

@@ -159,7 +159,7 @@ mod mill {
             let parts: Vec<_> = parts.into_iter().map(|p| p.superelement).collect();
             let (model, _) = pipeline::build_model(&machine, &parts, 30, HIGHEST).unwrap();
             let positions = [0.0, -0.3137];
-            let modes = positions.map(|p| modes_at(&model, &machine.analysis.damping, p, 46).unwrap()).to_vec();
+            let modes = positions.map(|p| modes_at(&model, &machine.analysis.damping, p).unwrap()).to_vec();
             let (systems, _) = modal_systems(&modes, HIGHEST, Selection::Controlled { tolerance: 1e-4 }).unwrap();
             let frequencies: Vec<f64> = (0..=450).map(|k| 2.0 * f64::from(k)).collect();
             let request = FrfRequest {

@@ -149,8 +149,9 @@ fn write_reduced(
     let highest = machine.analysis.frequencies.iter().copied().fold(0.0, f64::max);
     let (model, _) = pipeline::build_model(machine, &superelements, machine.analysis.modes, highest)?;
     let stiffness = model.stiffness(position).map_err(PipelineError::from)?;
-    let coupled = model.coupled(&model.at(position).map_err(PipelineError::from)?, &stiffness);
-    write_dense(&out.join("stiffness.mtx"), &coupled.stiffness)?;
+    let at = model.at(position).map_err(PipelineError::from)?;
+    let coupled = model.coupled(&at, &stiffness).map_err(PipelineError::from)?;
+    write_dense(&out.join("stiffness.mtx"), &model.stiffness_matrix(&coupled))?;
     write_dense(&out.join("mass.mtx"), &DMatrix::identity(model.n(), model.n()))?;
     write_dense(&out.join("outputs.mtx"), &coupled.outputs)?;
     write_dense(&out.join("inputs.mtx"), &coupled.inputs)?;

@@ -61,7 +61,7 @@ impl Look<'_> {
         for modes in ends_and_middle(&outcome.solved.modes) {
             let again;
             let modes = if modes.shapes.is_empty() {
-                again = modes_at(self.model, &analysis.damping, modes.position, analysis.modes + 16)?;
+                again = modes_at(self.model, &analysis.damping, modes.position)?;
                 &again
             } else {
                 modes

@@ -19,7 +19,7 @@ use stiffmap::frf::{FrfRequest, ModalSystem, Selection, Truncation, modal_system
 use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, read_machine};
-use stiffmap::modal::{ModeTableRow, mode_table};
+use stiffmap::modal::{ModalError, ModeTableRow, mode_table};
 use stiffmap::pipeline::{self, PipelineError, Solved};
 use stiffmap::reduction::Cache;
 use stiffmap::state_space::StateSpaceOptions;
@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
 
     let highest = machine.analysis.frequencies.iter().copied().fold(0.0, f64::max);
     let reported = machine.analysis.modes;
-    let (model, band) =
+    let (mut model, mut band) =
         progress.stage("couple", 0, |_| pipeline::build_model(&machine, &superelements, reported, highest))?;
     warnings.extend(model.side_by_side.overhangs());
     let mut checks = Vec::new();
@@ -135,9 +135,19 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let shapes = (axes.positions.len() * model.n() * model.n() * size_of::<f64>()) as u64;
     let few = shapes <= limit.max(KEPT_SHAPES);
     let solve = if few { pipeline::solve_positions } else { pipeline::solve_many_positions };
-    let solved = progress.stage("modes", axes.positions.len(), |step| {
-        solve(&machine, &model, &axes.positions, reported, interrupt, step)
-    })?;
+    let solved = loop {
+        let solved = progress.stage("modes", axes.positions.len(), |step| {
+            solve(&machine, &model, &axes.positions, reported, interrupt, step)
+        });
+        match solved {
+            Err(PipelineError::Modal(error @ ModalError::Missed { .. })) => {
+                // The basis, not the machine, is to blame as long as it can be made larger.
+                model = pipeline::wider(&machine, &superelements, &model)?.ok_or(error)?;
+                band = model.frequency;
+            }
+            solved => break solved?,
+        }
+    };
     checks.push(figure(
         "modes found minus modes counted by inertia, largest over the positions",
         solved.counts.iter().map(|c| c.found.abs_diff(c.counted)).max().unwrap_or(0) as f64,

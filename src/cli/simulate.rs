@@ -305,7 +305,7 @@ impl Arguments {
                 if interrupt.requested() {
                     return Err(ResponseError::Interrupted);
                 }
-                let modes = modes_at(model, damping, *p, machine.analysis.modes + 16)?;
+                let modes = modes_at(model, damping, *p)?;
                 step();
                 Ok(modes)
             };
@@ -353,7 +353,7 @@ impl Arguments {
         let runs = progress.stage("time histories", plants.len(), |step| {
             let one = |(modes, plant): (&Modes, &Plant)| {
                 let stiffness = model.stiffness(plant.position)?;
-                let joints = elements(model, &model.at(plant.position)?, &stiffness, modes);
+                let joints = elements(model, &model.at(plant.position)?, &stiffness, modes)?;
                 let run = simulate_contact(plant, &joints, forces, self.recording(), None, interrupt)?;
                 step();
                 Ok((run, joints.into_iter().map(|j| j.joint).collect()))

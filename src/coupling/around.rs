@@ -11,8 +11,10 @@
 //! ```
 
 use super::basis::{inertia_columns, stiffness_axes};
+use super::eigen::CoupledEigen;
+use super::mechanism::free_motions;
 use super::{AtPosition, CoupledModel, CouplingError};
-use crate::linalg::{LinalgError, SymmetricEigen, multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
+use crate::linalg::{LinalgError, eigen_of_flexibility, multiply, multiply_transposed, orthonormal_span};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -46,6 +48,8 @@ pub struct Around {
     pub eigenvalues: DVector<f64>,
     /// How many of them, the first, are modes of the base; the others carry inertia above the band.
     pub modes: usize,
+    /// Free motions of the base, the first of its modes.
+    pub free: usize,
     /// The base's spring stiffnesses, N/m or N m/rad.
     pub base: Vec<f64>,
     /// The springs that designs may change, ascending.
@@ -63,13 +67,18 @@ pub struct Around {
     /// For each part with a loss factor of its own, twice its strain energy as a form in the
     /// coordinates and then the varied springs' tension beyond the base's, m + n_varied square.
     pub strain_energy: Vec<Option<DMatrix<f64>>>,
+    /// Shift of the eigenproblem, (rad/s)^2.
+    shift: f64,
+    /// Rows of all springs over the fixed basis, and its eigenvalues there: which motions are free hangs on them.
+    rows: DMatrix<f64>,
+    rigid: DVector<f64>,
 }
 
 /// A design at one position.
 #[derive(Clone, Debug)]
 pub struct AroundCoupled {
-    /// Lambda0 + E^T Delta' E, m x m.
-    pub stiffness: DMatrix<f64>,
+    /// The stiffnesses of all springs, N/m or N m/rad.
+    pub stiffness: Vec<f64>,
     /// Output rows P', n_outputs x m.
     pub outputs: DMatrix<f64>,
     /// Input rows P', n_inputs x m.
@@ -146,7 +155,7 @@ impl CoupledModel {
         varied: &[usize],
         frequency: f64,
     ) -> Result<Around, CouplingError> {
-        let eigen = symmetric_eigen(&self.coupled(at, base).stiffness)?;
+        let eigen = self.eigen(at, &self.coupled(at, base)?, base)?;
         self.around_modes(at, base, &eigen, varied, frequency, AroundOptions::DESIGNS)
     }
 
@@ -158,17 +167,19 @@ impl CoupledModel {
         &self,
         at: &AtPosition,
         base: &[f64],
-        eigen: &SymmetricEigen,
+        eigen: &CoupledEigen,
         varied: &[usize],
         frequency: f64,
         options: AroundOptions,
     ) -> Result<Around, CouplingError> {
         let (s, o) = (at.springs.nrows(), at.outputs.nrows());
-        let coupled = self.coupled(at, base);
+        let coupled = self.coupled(at, base)?;
         let edge = (TAU * options.band * frequency).powi(2);
         let low = eigen.values.iter().take_while(|l| **l <= edge).count();
         let rows = stacked(&[&coupled.elongations, &coupled.outputs, &coupled.inputs]);
-        let modal = multiply(&rows, &eigen.vectors);
+        let mut modal = multiply(&rows, &eigen.vectors);
+        // No spring reads a free motion: not even rounding is left of it for a stiff one.
+        modal.view_mut((0, 0), (s, eigen.free)).fill(0.0);
         let eigenvalues: Vec<f64> = eigen.values.iter().skip(low).copied().collect();
         let stiffest = |spring: usize| if base[spring] > 0.0 { 1.0 / (self.stiffest * base[spring]) } else { 0.0 };
         let wanted: Vec<(usize, f64)> =
@@ -179,7 +190,7 @@ impl CoupledModel {
 
         let kept = beside(&modal.columns(0, low).into_owned(), &multiply(&above.rows, &above.directions));
         let response = above.response();
-        let residual = self.residual_in_place(at, base) + multiply(&above.rows, &response);
+        let residual = self.residual_in_place(at, base)? + multiply(&above.rows, &response);
         let springs = kept.rows(0, s).into_owned();
 
         let upper = eigen.vectors.columns_range(low..).into_owned();
@@ -203,6 +214,7 @@ impl CoupledModel {
             position: at.position,
             eigenvalues: DVector::from_vec(eigenvalues.collect()),
             modes: low,
+            free: eigen.free,
             base: base.to_vec(),
             varied: varied.to_vec(),
             basis,
@@ -211,6 +223,9 @@ impl CoupledModel {
             springs,
             residual,
             strain_energy,
+            shift: self.shift(),
+            rows: at.springs.clone(),
+            rigid: self.eigenvalues.clone(),
         })
     }
 
@@ -264,21 +279,66 @@ impl Around {
         let series = 0.5 * (&series + series.transpose());
         let elongations = self.springs.select_rows(&self.varied);
         let tension = multiply(&series, &elongations);
-        let mut full = multiply_transposed(&elongations, &tension);
-        full = 0.5 * (&full + full.transpose());
-        for (k, value) in self.eigenvalues.iter().enumerate() {
-            full[(k, k)] += value;
-        }
         let (out, input) = (columns.rows(s, o).into_owned(), columns.rows_range(s + o..).into_owned());
         let between = self.residual.view((s, s + o), (o, self.inputs.nrows())).into_owned();
         Ok(AroundCoupled {
-            stiffness: full,
+            stiffness: stiffness.to_vec(),
             outputs: &self.outputs - multiply(&out, &tension),
             inputs: &self.inputs - multiply(&input, &tension),
             direct: between - multiply(&out, &multiply(&series, &input.transpose())),
             tension,
             series,
         })
+    }
+
+    /// K = Lambda0 + E^T Delta' E of a design, m x m.
+    pub fn stiffness_matrix(&self, design: &AroundCoupled) -> DMatrix<f64> {
+        let mut full = multiply_transposed(&self.springs.select_rows(&self.varied), &design.tension);
+        full = 0.5 * (&full + full.transpose());
+        for (k, value) in self.eigenvalues.iter().enumerate() {
+            full[(k, k)] += value;
+        }
+        full
+    }
+
+    /// All modes of a design in the coordinates around its base.
+    ///
+    /// By the flexibility at the shift s, with L = (Lambda0 + s)^-1: H = L - L E^T X E L and
+    /// X = (I + Delta (R + E L E^T))^-1 Delta, so a stiff spring is a small number.
+    ///
+    /// # Errors
+    /// [`LinalgError::Eigen`].
+    pub fn eigen(&self, design: &AroundCoupled) -> Result<CoupledEigen, LinalgError> {
+        let v = self.varied.len();
+        let failed = || LinalgError::Eigen { n: self.n() };
+        let compliance: Vec<f64> = self.eigenvalues.iter().map(|l| (l + self.shift).recip()).collect();
+        let elongations = self.springs.select_rows(&self.varied);
+        let mut weighted = elongations.clone();
+        for (mut column, l) in weighted.column_iter_mut().zip(&compliance) {
+            column *= *l;
+        }
+        let own = self.residual.select_columns(&self.varied).select_rows(&self.varied)
+            + multiply(&weighted, &elongations.transpose());
+        let change: Vec<f64> = self.varied.iter().map(|&i| design.stiffness[i] - self.base[i]).collect();
+        let inner = DMatrix::from_fn(v, v, |a, b| change[a] * own[(a, b)] + f64::from(u8::from(a == b)));
+        let x = inner.lu().solve(&DMatrix::from_diagonal(&DVector::from_vec(change))).ok_or_else(failed)?;
+        let mut flexibility = multiply_transposed(&weighted, &multiply(&(-0.5 * (&x + x.transpose())), &weighted));
+        for (k, l) in compliance.iter().enumerate() {
+            flexibility[(k, k)] += l;
+        }
+        let eigen = eigen_of_flexibility(&flexibility, self.shift)?;
+        let mut out = CoupledEigen { values: eigen.values, vectors: eigen.vectors, free: self.free_motions_of(design) };
+        out.values.rows_mut(0, out.free).fill(0.0);
+        Ok(out)
+    }
+
+    /// Free motions of a design: the base's, unless a spring came or went.
+    fn free_motions_of(&self, design: &AroundCoupled) -> usize {
+        let acts = |k: &[f64]| k.iter().map(|k| *k > 0.0).collect::<Vec<_>>();
+        if acts(&design.stiffness) == acts(&self.base) {
+            return self.free;
+        }
+        free_motions(&self.rows, &self.rigid, &design.stiffness).ncols()
     }
 
     /// Elongations of all springs for unit forces on outputs, then inputs, that no coordinate of a design carries,

@@ -9,7 +9,7 @@
 
 use super::CouplingError;
 use super::side_by_side::SideBySide;
-use crate::linalg::{LinalgError, multiply, multiply_transposed, orthonormal_span, symmetric_eigen};
+use crate::linalg::{LinalgError, multiply, multiply_transposed, orthonormal_span, symmetric_eigen, triangle};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -131,17 +131,23 @@ impl FixedBasis {
         out
     }
 
-    /// Static flexibility of rows that the basis leaves out: R_h (Lambda_h^-1 - U (U^T Lambda_h U)^-1 U^T) R_h^T.
-    pub fn residual_flexibility(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut high = self.high_of(rows);
-        let mut kept = multiply(&high, &self.directions);
+    /// A factor T of the static flexibility of rows that the basis leaves out, T^T T =
+    /// R_h (Lambda_h^-1 - U (U^T Lambda_h U)^-1 U^T) R_h^T.
+    ///
+    /// With V = Lambda_h^1/2 U Lambda_U^-1/2, which is orthonormal, it is that of (I - V V^T) Lambda_h^-1/2 R_h^T:
+    /// a sum of squares, so no digits cancel.
+    pub fn residual_factor(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut high = self.high_of(rows).transpose();
+        let mut kept = self.directions.clone();
         for (mut column, l) in kept.column_iter_mut().zip(self.eigenvalues.iter().skip(self.low.len())) {
             column /= l.sqrt();
         }
-        for (mut column, l) in high.column_iter_mut().zip(&self.high_eigenvalues) {
-            column /= l.sqrt();
+        for ((mut row, mut kept), l) in high.row_iter_mut().zip(kept.row_iter_mut()).zip(&self.high_eigenvalues) {
+            row /= l.sqrt();
+            kept *= l.sqrt();
         }
-        multiply(&high, &high.transpose()) - multiply(&kept, &kept.transpose())
+        high -= multiply(&kept, &multiply_transposed(&kept, &high));
+        triangle(&high)
     }
 
     /// Strain energy of one part in the residual response to forces on rows.

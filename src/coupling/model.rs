@@ -11,7 +11,9 @@
 
 use super::CouplingError;
 use super::basis::{BasisOptions, FixedBasis, ResidualEnergy};
+use super::eigen::shift_for;
 use super::joint::CoupledJoint;
+use super::series::Series;
 use super::side_by_side::{PortRow, SideBySide};
 use crate::linalg::{multiply, multiply_transposed};
 use crate::machine::{Axis, Machine};
@@ -29,6 +31,10 @@ pub struct CoupledModel {
     pub parts: Vec<PartShare>,
     /// Designs may stiffen a joint up to this factor.
     pub stiffest: f64,
+    /// The fixed basis was made for results up to this frequency, Hz.
+    pub frequency: f64,
+    /// Shift of the eigenproblem, (rad/s)^2.
+    shift: f64,
     basis: FixedBasis,
 }
 
@@ -64,6 +70,8 @@ pub struct AtPosition {
     pub inputs: DMatrix<f64>,
     /// Residual flexibility between springs, then outputs, then inputs, m/N.
     pub residual: DMatrix<f64>,
+    /// A factor T of it, T^T T.
+    pub(super) residual_factor: DMatrix<f64>,
     /// The parts' strain energy in the residual response to the springs, for parts with a loss factor.
     pub residual_of_part: Vec<Option<ResidualEnergy>>,
 }
@@ -89,8 +97,9 @@ impl SpringValues {
 /// The machine at one position with given joint stiffnesses.
 #[derive(Clone, Debug)]
 pub struct Coupled {
-    /// Lambda + B^T D' B, n x n.
-    pub stiffness: DMatrix<f64>,
+    /// Rows W over the coordinates, n_active x n, with W^T W = B^T D' B: the joints' share of the stiffness. It is
+    /// kept as a factor because a sum keeps only the digits that its largest term leaves.
+    pub roots: DMatrix<f64>,
     /// Output rows P', n_outputs x n.
     pub outputs: DMatrix<f64>,
     /// Input rows P', n_inputs x n.
@@ -136,13 +145,37 @@ pub fn couple(
         }
     };
     let parts = machine.parts.iter().enumerate().map(share).collect();
-    Ok(CoupledModel { eigenvalues: basis.eigenvalues.clone(), side_by_side, parts, stiffest: options.stiffest, basis })
+    let lowest = side_by_side.lowest_elastic();
+    Ok(CoupledModel {
+        eigenvalues: basis.eigenvalues.clone(),
+        side_by_side,
+        parts,
+        stiffest: options.stiffest,
+        frequency: options.frequency,
+        shift: shift_for(options.frequency.max(0.1 * lowest)),
+        basis,
+    })
 }
 
 impl CoupledModel {
     /// Coordinates of the fixed basis.
     pub fn n(&self) -> usize {
         self.eigenvalues.len()
+    }
+
+    /// Whether the basis holds every coordinate of the superelements.
+    pub fn is_whole(&self) -> bool {
+        self.n() >= self.side_by_side.n()
+    }
+
+    /// Shapes over the basis as shapes over the superelements side by side.
+    pub fn over_parts(&self, shapes: &DMatrix<f64>) -> DMatrix<f64> {
+        multiply(&self.basis.matrix(), shapes)
+    }
+
+    /// Shift of the eigenproblem, (rad/s)^2.
+    pub fn shift(&self) -> f64 {
+        self.shift
     }
 
     /// The axis of travel.
@@ -231,7 +264,7 @@ impl CoupledModel {
             rows.row_mut(s + k).copy_from(&port.row);
         }
         let projected = self.basis.project(&rows);
-        let residual = self.basis.residual_flexibility(&rows);
+        let residual_factor = self.basis.residual_factor(&rows);
         let spring_rows = rows.rows(0, s).into_owned();
         let residual_of_part = self.parts.iter().enumerate().map(|(p, part)| {
             part.loss_factor?;
@@ -244,54 +277,51 @@ impl CoupledModel {
             springs: projected.rows(0, s).into_owned(),
             outputs: projected.rows(s, o).into_owned(),
             inputs: projected.rows(s + o, i).into_owned(),
-            residual,
+            residual: multiply_transposed(&residual_factor, &residual_factor),
+            residual_factor,
             residual_of_part: residual_of_part.collect(),
         })
     }
 
-    /// The joints in series with the residual flexibility, D' = D^1/2 (I + D^1/2 C D^1/2)^-1 D^1/2, which
-    /// stands a stiffness of zero.
-    pub(super) fn series(&self, at: &AtPosition, stiffness: &[f64]) -> DMatrix<f64> {
-        let s = at.springs.nrows();
-        let root: Vec<f64> = stiffness.iter().map(|k| k.sqrt()).collect();
-        let inner =
-            DMatrix::from_fn(s, s, |a, b| root[a] * at.residual[(a, b)] * root[b] + f64::from(u8::from(a == b)));
-        let inverse =
-            inner.cholesky().map(|f| f.inverse()).expect("I + a positive semidefinite matrix is positive definite");
-        DMatrix::from_fn(s, s, |a, b| root[a] * inverse[(a, b)] * root[b])
-    }
-
     /// The residual flexibility of springs, outputs and inputs with all springs in place, C - C_.s D' C_s., m/N.
-    pub fn residual_in_place(&self, at: &AtPosition, stiffness: &[f64]) -> DMatrix<f64> {
-        let to_springs = at.residual.columns(0, at.springs.nrows()).into_owned();
-        let in_series = multiply(&self.series(at, stiffness), &to_springs.transpose());
-        &at.residual - multiply(&to_springs, &in_series)
+    ///
+    /// # Errors
+    /// [`CouplingError::Basis`] if a stiffness is not finite.
+    pub fn residual_in_place(&self, at: &AtPosition, stiffness: &[f64]) -> Result<DMatrix<f64>, CouplingError> {
+        Ok(Series::new(&at.residual_factor, stiffness)?.residual_in_place(&at.residual_factor))
     }
 
     /// The machine at a position with given spring stiffnesses (N/m or N m/rad, not negative).
-    pub fn coupled(&self, at: &AtPosition, stiffness: &[f64]) -> Coupled {
+    ///
+    /// # Errors
+    /// [`CouplingError::Basis`] if a stiffness is not finite.
+    pub fn coupled(&self, at: &AtPosition, stiffness: &[f64]) -> Result<Coupled, CouplingError> {
         let (s, o, i) = (at.springs.nrows(), at.outputs.nrows(), at.inputs.nrows());
         assert_eq!(stiffness.len(), s, "one stiffness a spring");
         let c = |row: usize, rows: usize, column: usize, columns: usize| {
             at.residual.view((row, column), (rows, columns)).into_owned()
         };
-        let flexibility = c(0, s, 0, s);
-        let series = self.series(at, stiffness);
-        let forces = multiply(&series, &at.springs);
-        let mut full = multiply_transposed(&at.springs, &forces);
-        full = 0.5 * (&full + full.transpose());
+        let series = Series::new(&at.residual_factor, stiffness)?;
+        let roots = multiply_transposed(&series.root, &at.springs);
+        let forces = multiply(&series.root, &roots);
+        let (out_spring, spring_in) = (c(s, o, 0, s), c(0, s, s + o, i));
+        let in_spring = spring_in.transpose();
+        Ok(Coupled {
+            outputs: &at.outputs - multiply(&out_spring, &forces),
+            inputs: &at.inputs - multiply(&in_spring, &forces),
+            direct: c(s, o, s + o, i) - multiply(&out_spring, &multiply(&series.stiffness(), &spring_in)),
+            elongations: series.elongations(&at.springs, &c(0, s, 0, s), &forces),
+            forces,
+            roots,
+        })
+    }
+
+    /// K = Lambda + W^T W as one matrix, n x n, for those who need it whole; see [`Coupled::roots`].
+    pub fn stiffness_matrix(&self, coupled: &Coupled) -> DMatrix<f64> {
+        let mut full = multiply_transposed(&coupled.roots, &coupled.roots);
         for (k, value) in self.eigenvalues.iter().enumerate() {
             full[(k, k)] += value;
         }
-        let (out_spring, spring_in) = (c(s, o, 0, s), c(0, s, s + o, i));
-        let in_spring = spring_in.transpose();
-        Coupled {
-            stiffness: full,
-            outputs: &at.outputs - multiply(&out_spring, &forces),
-            inputs: &at.inputs - multiply(&in_spring, &forces),
-            direct: c(s, o, s + o, i) - multiply(&out_spring, &multiply(&series, &spring_in)),
-            elongations: &at.springs - multiply(&flexibility, &forces),
-            forces,
-        }
+        full
     }
 }

@@ -2,7 +2,9 @@
 
 use super::CouplingError;
 use super::joint::{CoupledJoint, CoupledSpring, Side, SideSurface, overhang};
-use crate::linalg::{count_negative, multiply};
+use crate::linalg::{
+    count_negative, eigen_of_flexibility, independent_rows, lower_rows, multiply, multiply_transposed, orthonormal_span,
+};
 use crate::machine::{Axis, JointPoint, Machine};
 use crate::reduction::Superelement;
 use crate::solid::rotation_arm;
@@ -129,6 +131,12 @@ impl SideBySide {
         self.joints.iter().filter_map(one).collect()
     }
 
+    /// Lowest elastic frequency of any part on its own, Hz.
+    pub fn lowest_elastic(&self) -> f64 {
+        let lowest = self.eigenvalues.iter().copied().filter(|l| *l > 0.0).fold(f64::INFINITY, f64::min);
+        if lowest.is_finite() { lowest.sqrt() / std::f64::consts::TAU } else { 1.0 }
+    }
+
     /// Coordinates.
     pub fn n(&self) -> usize {
         self.eigenvalues.len()
@@ -159,28 +167,75 @@ impl SideBySide {
     }
 
     /// Number of coupled eigenvalues below `shift` (rad/s)^2, by the inertia of the pieces:
-    /// #{Lambda_i < shift} minus the negative eigenvalues of diag(1/k) + B (Lambda - shift)^-1 B^T.
+    /// #{Lambda_i < shift} minus the negative eigenvalues of G^-1 + V^T (Lambda - shift)^-1 V, where
+    /// B^T diag(k) B = V G V^T.
+    ///
+    /// V are independent directions of the springs' rows: of two stiff springs that do the same, the difference
+    /// would be rounding, and its sign chance.
     ///
     /// # Errors
     /// As [`Self::rows`] and [`Self::stiffness`].
     pub fn count_below(&self, position: f64, shift: f64) -> Result<usize, CouplingError> {
-        let rows = self.rows(position)?;
-        let stiffness = self.stiffness(position)?;
-        let active: Vec<usize> = (0..stiffness.len()).filter(|&s| stiffness[s] > 0.0).collect();
-        let b = DMatrix::from_fn(active.len(), self.n(), |s, i| rows[(active[s], i)]);
-        let scaled = DMatrix::from_fn(active.len(), self.n(), |s, i| b[(s, i)] / (self.eigenvalues[i] - shift));
-        let mut small = multiply(&scaled, &b.transpose());
-        // Scaled by sqrt(k) on both sides, which leaves the signs and brings bolts and bearings together.
-        for i in 0..active.len() {
-            for j in 0..active.len() {
-                small[(i, j)] *= (stiffness[active[i]] * stiffness[active[j]]).sqrt();
+        let (v, inverse) = independent_rows(&self.roots(position)?)?;
+        let mut weighted = v.clone();
+        for (mut row, l) in weighted.row_iter_mut().zip(&self.eigenvalues) {
+            row /= l - shift;
+        }
+        let mut small = inverse + multiply_transposed(&v, &weighted);
+        // Scaled to a unit diagonal, which leaves the signs and brings bolts and mounts together.
+        let scale: Vec<f64> = small.diagonal().iter().map(|d| d.abs().sqrt().max(f64::MIN_POSITIVE).recip()).collect();
+        for (i, a) in scale.iter().enumerate() {
+            for (j, b) in scale.iter().enumerate() {
+                small[(i, j)] *= a * b;
             }
-            small[(i, i)] += 1.0;
         }
         let uncoupled = self.eigenvalues.iter().filter(|l| **l < shift).count();
         Ok(uncoupled.saturating_sub(count_negative(&(0.5 * (&small + small.transpose())))?))
     }
+
+    /// Rows sqrt(k) b of the springs with a stiffness, n_active x n.
+    fn roots(&self, position: f64) -> Result<DMatrix<f64>, CouplingError> {
+        let rows = self.rows(position)?;
+        let stiffness = self.stiffness(position)?;
+        let active: Vec<usize> = (0..stiffness.len()).filter(|&s| stiffness[s] > 0.0).collect();
+        Ok(DMatrix::from_fn(active.len(), self.n(), |s, i| stiffness[active[s]].sqrt() * rows[(active[s], i)]))
+    }
+
+    /// The coupled eigenvalues (rad/s)^2, ascending, next to which the columns of `start` (n x m) lie: inverse
+    /// iteration of all of them at once with the shift (rad/s)^2. Zero for free motions but for rounding.
+    ///
+    /// # Errors
+    /// As [`Self::rows`] and [`Self::stiffness`]; [`CouplingError::Basis`] if the small eigenproblem fails.
+    pub fn eigenvalues_near(
+        &self,
+        position: f64,
+        start: &DMatrix<f64>,
+        shift: f64,
+    ) -> Result<DVector<f64>, CouplingError> {
+        let root: Vec<f64> = self.eigenvalues.iter().map(|l| (l + shift).sqrt().recip()).collect();
+        let lower = lower_rows(&root, &self.roots(position)?)?;
+        let scaled = |x: &DMatrix<f64>| {
+            let mut x = x.clone();
+            for (mut row, r) in x.row_iter_mut().zip(&root) {
+                row *= *r;
+            }
+            x
+        };
+        let flexibility = |x: &DMatrix<f64>| {
+            let x = scaled(x);
+            scaled(&(&x - multiply(&lower, &multiply_transposed(&lower, &x))))
+        };
+        let mut x = orthonormal_span(start, 0.0)?;
+        for _ in 0..STEPS {
+            x = orthonormal_span(&flexibility(&x), 0.0)?;
+        }
+        let ritz = multiply_transposed(&x, &flexibility(&x));
+        Ok(eigen_of_flexibility(&ritz, shift)?.values)
+    }
 }
+
+/// Steps of the inverse iteration: modes of the fixed basis are 1e-6 from those that they are compared with.
+const STEPS: usize = 3;
 
 /// diag(lambda) + B^T diag(k) B.
 fn coupled(eigenvalues: &DVector<f64>, rows: &DMatrix<f64>, stiffness: &[f64]) -> DMatrix<f64> {

@@ -5,7 +5,6 @@ use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::matmul::matmul;
-use faer::prelude::Solve;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use nalgebra::{DMatrix, DVector};
 
@@ -47,75 +46,20 @@ pub fn symmetric_eigen(a: &DMatrix<f64>) -> Result<SymmetricEigen, LinalgError> 
     })
 }
 
-/// The same for loops over positions: faer's divide and conquer on the calling thread, after which
-/// the `polished` lowest pairs are made accurate by one step of inverse iteration with a
-/// Rayleigh-Ritz projection. The other pairs keep an absolute error of some 1e-12 of the largest
-/// eigenvalue.
+/// The same for loops over positions: faer's divide and conquer on the calling thread. All pairs keep an
+/// absolute error of some 1e-12 of the largest eigenvalue.
 ///
 /// # Errors
-/// [`LinalgError::Eigen`] as for [`symmetric_eigen`], or if an eigenvalue is clearly negative.
-pub fn symmetric_eigen_polished(a: &DMatrix<f64>, polished: usize) -> Result<SymmetricEigen, LinalgError> {
+/// [`LinalgError::Eigen`] as for [`symmetric_eigen`].
+pub fn symmetric_eigen_fast(a: &DMatrix<f64>) -> Result<SymmetricEigen, LinalgError> {
     let n = square(a)?;
-    let failed = || LinalgError::Eigen { n };
     let (mut values, mut vectors) = (DVector::zeros(n), DMatrix::zeros(n, n));
     evd(a, &mut values, &mut vectors)?;
-    let low = polished.min(n);
-    if low == 0 {
-        return Ok(SymmetricEigen { values, vectors });
-    }
-    // A shift below zero keeps free motions (eigenvalue 0) in reach of the factor.
-    let shift = SHIFT * values.amax();
-    let mut shifted = a.clone();
-    for i in 0..n {
-        shifted[(i, i)] += shift;
-    }
-    let factor = faer::linalg::solvers::Llt::new(view(&shifted), faer::Side::Lower).map_err(|_| failed())?;
-    let mut y = vectors.columns(0, low).into_owned();
-    factor.solve_in_place(MatMut::from_column_major_slice_mut(y.as_mut_slice(), n, low));
-    for mut column in y.column_iter_mut() {
-        column.normalize_mut();
-    }
-    // Orthonormal to working precision in two rounds of Cholesky QR; the columns are nearly so already.
-    for _ in 0..2 {
-        let root = multiply_transposed(&y, &y).cholesky().ok_or_else(failed)?.l();
-        let mut transposed = y.transpose();
-        if !root.solve_lower_triangular_mut(&mut transposed) {
-            return Err(failed());
-        }
-        y = transposed.transpose();
-    }
-    let projected = multiply_transposed(&y, &multiply(a, &y));
-    let small = symmetric_eigen(&(0.5 * (&projected + projected.transpose())))?;
-    vectors.columns_mut(0, low).copy_from(&multiply(&y, &small.vectors));
-    values.rows_mut(0, low).copy_from(&small.values);
-    Ok(SymmetricEigen { values, vectors })
-}
-
-/// The same, by the inverse: faer's divide and conquer on (A + shift I)^-1, whose largest eigenvalues
-/// are the lowest modes. An eigenvalue lambda of A keeps some 1e-12 (lambda + shift) / shift of itself,
-/// so the lowest are the most accurate.
-///
-/// # Errors
-/// [`LinalgError::Eigen`] if A + shift I is not positive definite or the iteration fails.
-pub fn symmetric_eigen_low(a: &DMatrix<f64>, shift: f64) -> Result<SymmetricEigen, LinalgError> {
-    let n = square(a)?;
-    let failed = || LinalgError::Eigen { n };
-    let mut shifted = a.clone();
-    for i in 0..n {
-        shifted[(i, i)] += shift;
-    }
-    let factor = faer::linalg::solvers::Llt::new(view(&shifted), faer::Side::Lower).map_err(|_| failed())?;
-    let mut inverse = DMatrix::identity(n, n);
-    factor.solve_in_place(MatMut::from_column_major_slice_mut(inverse.as_mut_slice(), n, n));
-    let (mut values, mut vectors) = (DVector::zeros(n), DMatrix::zeros(n, n));
-    evd(&(-0.5 * (&inverse + inverse.transpose())), &mut values, &mut vectors)?;
-    // Eigenvalues of the negative inverse ascend as those of A do.
-    values.apply(|v| *v = -v.recip() - shift);
     Ok(SymmetricEigen { values, vectors })
 }
 
 /// faer's divide and conquer on the calling thread.
-fn evd(a: &DMatrix<f64>, values: &mut DVector<f64>, vectors: &mut DMatrix<f64>) -> Result<(), LinalgError> {
+pub(super) fn evd(a: &DMatrix<f64>, values: &mut DVector<f64>, vectors: &mut DMatrix<f64>) -> Result<(), LinalgError> {
     let n = a.nrows();
     let mut memory =
         MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default()));
@@ -129,10 +73,6 @@ fn evd(a: &DMatrix<f64>, values: &mut DVector<f64>, vectors: &mut DMatrix<f64>) 
     )
     .map_err(|_| LinalgError::Eigen { n })
 }
-
-/// Shift of the polishing step, as a share of the largest eigenvalue: some (2 pi 10 Hz)^2 below a
-/// basis that ends at 100 kHz.
-const SHIFT: f64 = 1e-8;
 
 fn square(a: &DMatrix<f64>) -> Result<usize, LinalgError> {
     let n = a.nrows();
@@ -164,6 +104,17 @@ fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> DMatrix<f64> {
 /// cores busy without the cost of splitting small kernels.
 pub(super) fn inner_parallelism() -> Par {
     if rayon::current_num_threads() <= 4 { Par::Seq } else { Par::rayon(0) }
+}
+
+/// The upper triangle R of A = Q R, so that R^T R = A^T A.
+pub fn triangle(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let (m, n) = a.shape();
+    if m <= n {
+        return a.clone();
+    }
+    let r = view(a).qr();
+    let r = r.thin_R();
+    DMatrix::from_fn(n, n, |i, j| if i <= j { r[(i, j)] } else { 0.0 })
 }
 
 /// A growing set of vectors, stored side by side.
@@ -209,7 +160,7 @@ impl Columns {
     }
 }
 
-fn view(a: &DMatrix<f64>) -> MatRef<'_, f64> {
+pub(super) fn view(a: &DMatrix<f64>) -> MatRef<'_, f64> {
     MatRef::from_column_major_slice(a.as_slice(), a.nrows(), a.ncols())
 }
 

@@ -5,6 +5,7 @@
 
 mod cholesky;
 mod dense;
+mod graded;
 mod lanczos;
 mod ordering;
 mod shift_invert;
@@ -13,7 +14,10 @@ mod sparse;
 pub use cholesky::{Cholesky, Indefinite};
 pub use dense::{
     SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal_span,
-    symmetric_eigen, symmetric_eigen_low, symmetric_eigen_polished,
+    symmetric_eigen, symmetric_eigen_fast, triangle,
+};
+pub use graded::{
+    GradedFactor, eigen_of_flexibility, flexibility_with_springs, graded_factor, independent_rows, lower_rows,
 };
 pub use lanczos::{LanczosOptions, Spectrum, lowest_modes};
 pub use ordering::Ordering;

@@ -26,17 +26,15 @@ pub enum ModalError {
         /// What failed.
         source: LinalgError,
     },
-    /// A negative eigenvalue beyond rounding.
+    /// A mode that is held and has no positive frequency.
     #[error(
-        "at position {position} m: the coupled stiffness has the eigenvalue {eigenvalue:.3e} (rad/s)^2, below the rounding of {rounding:.1e}"
+        "at position {position} m: a mode that joints hold has omega^2 = {eigenvalue:.3e} (rad/s)^2, which is not positive; its stiffness is lost in rounding: make the softest joint stiffer, or leave it out"
     )]
     Negative {
         /// Position, m.
         position: f64,
         /// Eigenvalue, (rad/s)^2.
         eigenvalue: f64,
-        /// Rounding of the eigensolver, (rad/s)^2.
-        rounding: f64,
     },
     /// The inertia count differs.
     #[error(

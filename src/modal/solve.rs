@@ -1,8 +1,8 @@
 //! Modes of the coupled machine at one position.
 
 use super::{ModalError, free_motion};
-use crate::coupling::{Around, CoupledModel, SpringValues};
-use crate::linalg::{SymmetricEigen, multiply, symmetric_eigen_low, symmetric_eigen_polished};
+use crate::coupling::{Around, CoupledEigen, CoupledModel, SpringValues};
+use crate::linalg::multiply;
 use crate::machine::Damping;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -77,21 +77,19 @@ impl Modes {
     }
 }
 
-/// Modes at a position: the dense f64 eigenproblem of K(p) in the fixed basis, of which the lowest
-/// `polished` modes are wanted to full accuracy.
+/// Modes at a position: the dense f64 eigenproblem of the machine in its fixed basis.
 ///
 /// # Errors
-/// [`ModalError`]; a negative eigenvalue beyond rounding is an error, not a mode.
+/// [`ModalError`].
 ///
 /// # Accuracy
-/// omega^2 of the polished modes to 1e-10; of the others to some 1e-12 of the largest eigenvalue of
-/// K(p), which the fixed basis bounds.
-pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64, polished: usize) -> Result<Modes, ModalError> {
+/// That of [`CoupledModel::eigen`].
+pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64) -> Result<Modes, ModalError> {
     let at = model.at(position)?;
     let springs = model.springs(position)?;
-    let coupled = model.coupled(&at, &springs.stiffness);
-    let eigen = symmetric_eigen_polished(&coupled.stiffness, polished)
-        .map_err(|source| ModalError::Eigen { position, source })?;
+    let coupled = model.coupled(&at, &springs.stiffness)?;
+    let eigen =
+        model.eigen(&at, &coupled, &springs.stiffness).map_err(|source| ModalError::Eigen { position, source })?;
     let parts = model.parts.iter().zip(&at.residual_of_part).filter_map(|(part, residual)| {
         let (Some(eta), Some(k), Some(c)) = (part.loss_factor, &part.stiffness, residual) else { return None };
         let forces = multiply(&coupled.forces, &eigen.vectors);
@@ -116,7 +114,7 @@ pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64, polished
 /// As [`modes_at`].
 ///
 /// # Accuracy
-/// That of [`crate::coupling::CoupledModel::around`], and 1e-9 of an eigenvalue in the band.
+/// That of [`crate::coupling::CoupledModel::around`].
 pub fn modes_around(
     around: &Around,
     damping: &Damping,
@@ -125,8 +123,7 @@ pub fn modes_around(
 ) -> Result<Modes, ModalError> {
     let position = around.position;
     let design = around.coupled(&springs.stiffness)?;
-    let eigen = symmetric_eigen_low(&design.stiffness, (TAU * LOW).powi(2))
-        .map_err(|source| ModalError::Eigen { position, source })?;
+    let eigen = around.eigen(&design).map_err(|source| ModalError::Eigen { position, source })?;
     let elongations = around.elongations(&design);
     let mut parts = Vec::new();
     for (form, eta) in around.strain_energy.iter().zip(part_losses) {
@@ -170,7 +167,8 @@ pub fn base_modes(
         elongations: &around.springs,
         parts: energies.collect(),
     };
-    let eigen = SymmetricEigen { values: around.eigenvalues.clone(), vectors: DMatrix::identity(m, m) };
+    let eigen =
+        CoupledEigen { values: around.eigenvalues.clone(), vectors: DMatrix::identity(m, m), free: around.free };
     rows.modes(around.position, damping, springs, eigen)
 }
 
@@ -191,9 +189,10 @@ impl Rows<'_> {
         position: f64,
         damping: &Damping,
         springs: &SpringValues,
-        eigen: SymmetricEigen,
+        eigen: CoupledEigen,
     ) -> Result<Modes, ModalError> {
-        let (eigenvalues, free) = settled(eigen.values.as_slice(), position)?;
+        let free = eigen.free;
+        let eigenvalues = settled(&eigen, position)?;
         let elongations = springs.dissipate().then(|| multiply(self.elongations, &eigen.vectors));
         let (damping_ratios, loss_factors) =
             modal_damping(damping, springs, elongations.as_ref(), &self.parts, &eigenvalues, free);
@@ -212,22 +211,12 @@ impl Rows<'_> {
     }
 }
 
-/// Shift of the eigenproblem around a base, Hz: below the machine's modes, above its free motions.
-const LOW: f64 = 5.0;
-
-/// Eigenvalues with free motions at exactly 0, and how many these are.
-fn settled(values: &[f64], position: f64) -> Result<(Vec<f64>, usize), ModalError> {
-    let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    let rounding = f64::EPSILON * values.len() as f64 * largest;
-    if let Some(&eigenvalue) = values.first()
-        && eigenvalue < -rounding
-    {
-        return Err(ModalError::Negative { position, eigenvalue, rounding });
+/// Eigenvalues of which those of elastic modes are positive.
+fn settled(eigen: &CoupledEigen, position: f64) -> Result<Vec<f64>, ModalError> {
+    match eigen.values.iter().skip(eigen.free).find(|l| !l.is_finite() || **l <= 0.0) {
+        None => Ok(eigen.values.iter().copied().collect()),
+        Some(&eigenvalue) => Err(ModalError::Negative { position, eigenvalue }),
     }
-    let free = values.iter().take_while(|l| **l <= rounding).count();
-    let mut eigenvalues = values.to_vec();
-    eigenvalues[..free].fill(0.0);
-    Ok((eigenvalues, free))
 }
 
 /// Viscous ratio and loss factor of every mode, from the springs' elongations (n_springs x n, if any
@@ -282,23 +271,35 @@ pub struct ModeCount {
     pub counted: usize,
 }
 
-/// Counts the modes below a frequency in the widest gap between modes `wanted` and `wanted` + 6 by
-/// the inertia of the side-by-side machine, which knows nothing of the fixed basis or of the dense
-/// eigensolver.
+/// Two frequencies nearer than this share are one for the count: the basis keeps them to 1e-5.
+const NEAR: f64 = 4e-5;
+
+/// Counts the modes below a frequency just above the wanted ones by the inertia of the side-by-side machine,
+/// which knows nothing of the fixed basis or of the dense eigensolver.
+///
+/// The frequency stands in the widest gap between modes `wanted` and `wanted` + 6, no further than the basis
+/// was made for: above that its modes are coordinates for the static response, not modes of the machine.
 ///
 /// # Errors
 /// [`ModalError::Missed`] if the numbers differ.
 pub fn check_count(model: &CoupledModel, modes: &Modes, wanted: usize) -> Result<ModeCount, ModalError> {
     let values = &modes.eigenvalues;
-    let last = (wanted + 6).min(values.len() - 1);
-    let first = wanted.min(last).saturating_sub(1).max(modes.free);
-    let gap = |r: usize| values[r + 1] / values[r].max(f64::MIN_POSITIVE);
-    let below = (first..last).max_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(first);
-    let shift = if below + 1 < values.len() { 0.5 * (values[below] + values[below + 1]) } else { 2.0 * values[below] };
+    let Some(end) = values.len().checked_sub(1).filter(|_| modes.free < values.len()) else {
+        return Ok(ModeCount { below: 0.0, found: values.len(), counted: values.len() });
+    };
+    let reach = (TAU * model.frequency).powi(2);
+    let first = wanted.min(values.len()).saturating_sub(1).clamp(modes.free.min(end), end);
+    let last = (first..=end.min(first + 6)).take_while(|&r| r == first || values[r] <= reach).last().unwrap_or(first);
+    let gap = |r: usize| if r < end { values[r + 1] / values[r] } else { 4.0 };
+    let below = (first..=last).max_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(first);
+    let shift = values[below] * (0.5 * (1.0 + gap(below))).min(2.0);
     let counted = model.side_by_side.count_below(modes.position, shift)?;
-    let count = ModeCount { below: shift.sqrt() / TAU, found: below + 1, counted };
-    if count.found == count.counted {
-        return Ok(count);
+    // Of a cluster that the gap cannot part, either number is right.
+    let found = |edge: f64| values.iter().take_while(|l| **l < edge).count();
+    let (least, most) = (found(shift * (1.0 - NEAR)), found(shift * (1.0 + NEAR)));
+    let frequency = shift.sqrt() / TAU;
+    if (least..=most).contains(&counted) {
+        return Ok(ModeCount { below: frequency, found: counted, counted });
     }
-    Err(ModalError::Missed { position: modes.position, frequency: count.below, found: count.found, counted })
+    Err(ModalError::Missed { position: modes.position, frequency, found: below + 1, counted })
 }

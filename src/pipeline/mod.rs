@@ -8,7 +8,7 @@ use crate::coupling::{
     BasisOptions, CoupledModel, CouplingError, Unreduced, at_fixed_position, couple, reduction_requests, unreduced,
 };
 use crate::interrupt::Interrupt;
-use crate::linalg::{LinalgError, symmetric_eigen};
+use crate::linalg::LinalgError;
 use crate::machine::{Damping, Machine, SurfaceCoupling};
 use crate::mesh::{MeshError, MeshFile, read_part_mesh};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, Tracker, check_count, modes_at, track};
@@ -120,15 +120,45 @@ pub fn build_model(
     reported: usize,
     highest: f64,
 ) -> Result<(CoupledModel, f64), PipelineError> {
-    let model = couple(machine, superelements, BasisOptions::up_to(highest))?;
-    let modes = modes_at(&model, &machine.analysis.damping, machine.axis.travel[0], reported + 20)?;
-    let last = modes.frequency((modes.free + reported).min(modes.eigenvalues.len()) - 1);
-    // Frequencies move by some 10 % over a travel; a basis that reaches a quarter too far is no loss.
-    if 0.8 * last <= highest {
-        return Ok((model, highest));
+    let mut made = highest.max(SOFTEST * lowest_elastic(superelements));
+    loop {
+        let model = couple(machine, superelements, BasisOptions::up_to(made))?;
+        let modes = modes_at(&model, &machine.analysis.damping, machine.axis.travel[0])?;
+        let Some(last) = (modes.free + reported).min(modes.eigenvalues.len()).checked_sub(1) else {
+            return Ok((model, made));
+        };
+        let (last, fewer) = (modes.frequency(last), modes.eigenvalues.len() < modes.free + reported);
+        // Frequencies move by some 10 % over a travel; a basis that reaches a quarter too far is no loss.
+        if model.is_whole() || 0.8 * last <= made && !fewer {
+            return Ok((model, made));
+        }
+        made = (1.25 * last).max(if fewer { 2.0 * made } else { 0.0 });
     }
-    let higher = 1.25 * last;
-    Ok((couple(machine, superelements, BasisOptions::up_to(higher))?, higher))
+}
+
+/// A basis is made for at least this share of the parts' lowest elastic frequency.
+const SOFTEST: f64 = 0.1;
+
+fn lowest_elastic(superelements: &[Superelement]) -> f64 {
+    let positive = superelements.iter().flat_map(|s| s.eigenvalues.iter().copied()).filter(|l| *l > 0.0);
+    let lowest = positive.fold(f64::INFINITY, f64::min);
+    if lowest.is_finite() { lowest.sqrt() / std::f64::consts::TAU } else { 1.0 }
+}
+
+/// The same machine in a basis that reaches twice as far, where modes were missed; nothing if it holds all
+/// coordinates of the parts already.
+///
+/// # Errors
+/// [`PipelineError`] of coupling.
+pub fn wider(
+    machine: &Machine,
+    superelements: &[Superelement],
+    model: &CoupledModel,
+) -> Result<Option<CoupledModel>, PipelineError> {
+    if model.is_whole() {
+        return Ok(None);
+    }
+    Ok(Some(couple(machine, superelements, BasisOptions::up_to(2.0 * model.frequency))?))
 }
 
 /// Largest relative difference of the lowest `reported` elastic frequencies between the fixed basis and
@@ -140,17 +170,21 @@ pub fn check_basis(machine: &Machine, model: &CoupledModel, reported: usize) -> 
     let [from, to] = machine.axis.travel;
     let middle = 0.5 * (from + to) + 0.37 * machine.axis.step * (to - from).signum();
     let one = |position: &f64| -> Result<f64, PipelineError> {
-        let modes = modes_at(model, &machine.analysis.damping, *position, reported + 20)?;
-        let side_by_side = model.side_by_side.coupled_stiffness(*position)?;
-        let exact =
-            symmetric_eigen(&side_by_side).map_err(|source| ModalError::Eigen { position: *position, source })?;
+        let modes = modes_at(model, &machine.analysis.damping, *position)?;
         let last = (modes.free + reported).min(modes.eigenvalues.len());
-        let difference = |r: usize| (modes.eigenvalues[r] / exact.values[r]).sqrt() - 1.0;
+        // A few more, so that the last one wanted has neighbours to be told from.
+        let block = (last + GUARD).min(modes.eigenvalues.len());
+        let start = model.over_parts(&modes.shapes.columns(0, block).into_owned());
+        let exact = model.side_by_side.eigenvalues_near(*position, &start, model.shift())?;
+        let difference = |r: usize| (modes.eigenvalues[r] / exact[r]).sqrt() - 1.0;
         Ok((modes.free..last).map(|r| difference(r).abs()).fold(0.0, f64::max))
     };
     let errors = [from, middle, to].par_iter().map(one).collect::<Result<Vec<f64>, _>>()?;
     Ok(errors.into_iter().fold(0.0, f64::max))
 }
+
+/// Modes beyond the wanted ones that an iteration carries along.
+const GUARD: usize = 12;
 
 /// Modes at every position, each counted, and their families.
 #[derive(Debug)]
@@ -177,7 +211,7 @@ pub fn solve_positions(
 ) -> Result<Solved, PipelineError> {
     let damping = &machine.analysis.damping;
     let (modes, counts) = solve_all(model, damping, positions, reported, interrupt, step)?;
-    let families = track(&modes, reported, &|position| modes_at(model, damping, position, reported + 16))?;
+    let families = track(&modes, reported, &|position| modes_at(model, damping, position))?;
     Ok(Solved { modes, counts, families })
 }
 
@@ -198,7 +232,7 @@ pub fn solve_many_positions(
     step: Step<'_>,
 ) -> Result<Solved, PipelineError> {
     let damping = &machine.analysis.damping;
-    let solve = |position| modes_at(model, damping, position, reported + 16);
+    let solve = |position| modes_at(model, damping, position);
     let mut tracker = Tracker::new(reported);
     let mut modes: Vec<Modes> = Vec::with_capacity(positions.len());
     let mut counts = Vec::with_capacity(positions.len());
@@ -230,7 +264,7 @@ fn solve_all(
         if interrupt.requested() {
             return Err(PipelineError::Interrupted);
         }
-        let modes = modes_at(model, damping, position, reported + 16)?;
+        let modes = modes_at(model, damping, position)?;
         let count = check_count(model, &modes, modes.free + reported)?;
         step();
         Ok((modes, count))
@@ -248,9 +282,6 @@ pub fn unreduced_springs(machine: &Machine, meshes: &[MeshFile], position: f64) 
     let meshes: Vec<_> = meshes.iter().map(|f| &f.mesh).collect();
     Ok(unreduced(machine, &meshes, &surfaces, position)?)
 }
-
-/// A basis is not made for frequencies above this, Hz.
-const HIGHEST: f64 = 1e7;
 
 /// A machine with its modes at one position.
 #[derive(Debug)]
@@ -277,21 +308,15 @@ pub fn at_position(
 ) -> Result<AtOnePosition, PipelineError> {
     let cached = reduce_parts(machine, meshes, cache, interrupt, &|| ())?;
     let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
-    let mut highest = machine.analysis.frequencies.iter().copied().fold(1.0, f64::max);
-    // A basis made for less than the wanted modes may be too small to tell how far they reach.
-    let (model, modes) = loop {
-        let (model, made) = build_model(machine, &superelements, elastic, highest)?;
-        let modes = modes_at(&model, &machine.analysis.damping, position, elastic + 16)?;
-        let count = modes.eigenvalues.len();
-        let all = superelements.iter().map(Superelement::n).sum::<usize>();
-        let enough = count >= all || count >= 2 * (modes.free + elastic);
-        let reached = modes.frequency((modes.free + elastic).min(count) - 1) <= made;
-        if enough && reached || made > HIGHEST {
-            break (model, modes);
+    let highest = machine.analysis.frequencies.iter().copied().fold(1.0, f64::max);
+    let (mut model, _) = build_model(machine, &superelements, elastic, highest)?;
+    let modes = loop {
+        let modes = modes_at(&model, &machine.analysis.damping, position)?;
+        match check_count(&model, &modes, modes.free + elastic) {
+            Ok(_) => break modes,
+            Err(error) => model = wider(machine, &superelements, &model)?.ok_or(error)?,
         }
-        highest = 2.0 * made;
     };
-    check_count(&model, &modes, modes.free + elastic)?;
     let wanted = elastic.min(modes.eigenvalues.len() - modes.free);
     let shapes = modes.shapes.columns(modes.free, wanted);
     let count = superelements.iter().map(|s| s.interfaces.len()).sum::<usize>();

@@ -9,7 +9,10 @@
 //! ```
 //!
 //! Interface motions that depend on each other (overlapping footprints) are first replaced by
-//! independent combinations, those whose flexibility is above 1e-9 of the largest.
+//! independent combinations: those whose flexibility, of the part's elasticity and of its motion as a rigid
+//! body together, is above 1e-9 of the largest. A plate one brick thick between two interfaces has motions
+//! without any elastic flexibility (a push on both sides in proportion to its mass bends nothing); they are
+//! independent all the same, because the part follows them as a whole.
 
 use super::ReductionError;
 use super::flexibility::Flexibility;
@@ -24,6 +27,8 @@ pub(super) struct Constrained<'a> {
     touched: Vec<usize>,
     touched_motions: DMatrix<f64>,
     responses: DMatrix<f64>,
+    /// Brings the saddle's rigid columns to the size of its compliance.
+    scale: f64,
     saddle: LU<f64, Dyn, Dyn>,
 }
 
@@ -36,7 +41,13 @@ impl<'a> Constrained<'a> {
         attachments: &DMatrix<f64>,
     ) -> Result<Self, ReductionError> {
         let failed = |source: LinalgError| ReductionError::Linalg { part: part.to_string(), source };
-        let compliance = multiply_transposed(motions, attachments);
+        let mut compliance = multiply_transposed(motions, attachments);
+        if flexibility.rigid.ncols() > 0 {
+            let whole = multiply_transposed(motions, &flexibility.rigid);
+            // One size for both, so that neither drowns the other.
+            let scale = compliance.trace().abs() / whole.norm_squared().max(f64::MIN_POSITIVE);
+            compliance += multiply(&whole, &whole.transpose()) * scale;
+        }
         let combine = independent_directions(&(0.5 * (&compliance + compliance.transpose())), 1e-9).map_err(failed)?;
         let motions = multiply(motions, &combine);
         let responses = multiply(attachments, &combine);
@@ -58,13 +69,14 @@ impl<'a> Constrained<'a> {
                 return Err(ReductionError::NotHeld { part: part.to_string(), free });
             }
             // Both blocks are brought to one scale.
-            let scale = compliance.norm() / hold.norm();
+            let scale = if compliance.norm() > 0.0 { compliance.norm() / hold.norm() } else { 1.0 };
             matrix.view_mut((0, k), (k, r)).copy_from(&(&hold * scale));
             matrix.view_mut((k, 0), (r, k)).copy_from(&(hold.transpose() * scale));
             let responses = Self::with_rigid(responses, flexibility, scale);
-            return Ok(Self { flexibility, motions, touched, touched_motions, responses, saddle: matrix.lu() });
+            let saddle = matrix.lu();
+            return Ok(Self { flexibility, motions, touched, touched_motions, responses, scale, saddle });
         }
-        Ok(Self { flexibility, motions, touched, touched_motions, responses, saddle: matrix.lu() })
+        Ok(Self { flexibility, motions, touched, touched_motions, responses, scale: 1.0, saddle: matrix.lu() })
     }
 
     /// Responses [X, scale R], so that u is one product of the saddle's solution.
@@ -99,8 +111,7 @@ impl<'a> Constrained<'a> {
             .view_mut((0, 0), (k, load.ncols()))
             .copy_from(&-multiply_transposed(&self.touched_motions, &elastic.select_rows(&self.touched)));
         if size > k {
-            let scale = self.responses.column(k).norm() / self.flexibility.rigid.column(0).norm();
-            let balance = multiply_transposed(&self.flexibility.rigid, load) * -scale;
+            let balance = multiply_transposed(&self.flexibility.rigid, load) * -self.scale;
             right_side.view_mut((k, 0), (size - k, load.ncols())).copy_from(&balance);
         }
         elastic + self.complete(&right_side)

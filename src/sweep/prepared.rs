@@ -143,7 +143,7 @@ fn reach(model: &CoupledModel, machine: &Machine, request: &Request) -> Result<f
     let (Some(&position), false) = (request.positions.first(), request.families.is_empty()) else {
         return Ok(request.highest);
     };
-    let modes = modes_at(model, &machine.analysis.damping, position, request.tracked + 16)?;
+    let modes = modes_at(model, &machine.analysis.damping, position)?;
     let last = (modes.free + request.tracked).min(modes.eigenvalues.len()) - 1;
     Ok(request.highest.max(1.25 * modes.frequency(last)))
 }
@@ -158,7 +158,7 @@ fn nominal_shapes(
         return Ok(vec![Vec::new(); request.positions.len()]);
     }
     let damping = &machine.analysis.damping;
-    let solve = |position: f64| modes_at(model, damping, position, request.tracked + 16);
+    let solve = |position: f64| modes_at(model, damping, position);
     let modes = request.positions.par_iter().map(|&p| solve(p)).collect::<Result<Vec<Modes>, _>>()?;
     let tracked = track(&modes, request.tracked, &solve)?;
     let shapes = modes.iter().zip(&tracked.modes).map(|(modes, tracked)| {

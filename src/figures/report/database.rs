@@ -83,7 +83,7 @@ fn whole_modes<'a>(input: &DatabaseInput<'a>, p: usize) -> Result<Cow<'a, Modes>
         return Ok(Cow::Borrowed(modes));
     }
     let analysis = &input.machine.analysis;
-    Ok(Cow::Owned(modes_at(input.model, &analysis.damping, modes.position, analysis.modes + 16)?))
+    Ok(Cow::Owned(modes_at(input.model, &analysis.damping, modes.position)?))
 }
 
 impl Database {

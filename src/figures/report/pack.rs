@@ -2,9 +2,8 @@
 
 use super::ReportError;
 use super::arrays::Arrays;
-use crate::coupling::{Around, AroundOptions, CoupledModel};
+use crate::coupling::{Around, AroundOptions, CoupledEigen, CoupledModel};
 use crate::frf::ModalSystem;
-use crate::linalg::SymmetricEigen;
 use crate::modal::{ModeFamilies, Modes, TrackedMode};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -90,7 +89,8 @@ pub(super) fn push_local(
 ) -> Result<(), ReportError> {
     let one = |modes: &Cow<'_, Modes>| -> Result<Local, ReportError> {
         let stiffness = model.stiffness(modes.position)?;
-        let base = SymmetricEigen { values: modes.eigenvalues.clone().into(), vectors: modes.shapes.clone() };
+        let base =
+            CoupledEigen { values: modes.eigenvalues.clone().into(), vectors: modes.shapes.clone(), free: modes.free };
         let at = model.at(modes.position)?;
         Ok(Local::new(&model.around_modes(&at, &stiffness, &base, springs, highest, PAGE)?, symmetric))
     };

@@ -1,6 +1,6 @@
 //! The nonlinear joints of a machine at a position, in modal coordinates.
 
-use crate::coupling::{AtPosition, CoupledModel};
+use crate::coupling::{AtPosition, CoupledModel, CouplingError};
 use crate::linalg::multiply;
 use crate::machine::{Contact, Friction};
 use crate::modal::Modes;
@@ -40,9 +40,17 @@ impl Friction {
 }
 
 /// The joints with friction or backlash, for the modes of [`super::super::Plant::whole`].
-pub fn elements(model: &CoupledModel, at: &AtPosition, stiffness: &[f64], modes: &Modes) -> Vec<Element> {
-    let coupled = model.coupled(at, stiffness);
-    let residual = model.residual_in_place(at, stiffness);
+///
+/// # Errors
+/// [`CouplingError`] as of [`CoupledModel::coupled`].
+pub fn elements(
+    model: &CoupledModel,
+    at: &AtPosition,
+    stiffness: &[f64],
+    modes: &Modes,
+) -> Result<Vec<Element>, CouplingError> {
+    let coupled = model.coupled(at, stiffness)?;
+    let residual = model.residual_in_place(at, stiffness)?;
     let kept: Vec<usize> = (0..modes.eigenvalues.len()).filter(|&r| r >= modes.free || modes.is_felt(r)).collect();
     let shapes = modes.shapes.select_columns(&kept);
     let mut out = Vec::new();
@@ -68,5 +76,5 @@ pub fn elements(model: &CoupledModel, at: &AtPosition, stiffness: &[f64], modes:
             flexibility: residual[(row, row)],
         });
     }
-    out
+    Ok(out)
 }

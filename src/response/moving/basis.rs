@@ -2,7 +2,7 @@
 
 use crate::coupling::CoupledModel;
 use crate::interrupt::Interrupt;
-use crate::linalg::{multiply, multiply_transposed, orthonormal_span, symmetric_eigen_polished};
+use crate::linalg::{multiply, multiply_transposed, orthonormal_span, symmetric_eigen, symmetric_eigen_fast};
 use crate::machine::Damping;
 use crate::modal::{Modes, modes_at};
 use crate::response::ResponseError;
@@ -74,6 +74,8 @@ pub struct PathModel {
     first: f64,
     spacing: f64,
     table: Vec<LocalModel>,
+    /// Free motions, the same at every position.
+    pub(super) free: usize,
     /// Damping ratio by rank of mode at each training position.
     ratios: Vec<(f64, Vec<f64>)>,
 }
@@ -106,8 +108,12 @@ impl PathModel {
             if interrupt.requested() {
                 return Err(ResponseError::Interrupted);
             }
-            let coupled = model.coupled(&model.at(position)?, &model.stiffness(position)?);
-            let stiffness = multiply_transposed(&basis, &multiply(&coupled.stiffness, &basis));
+            let coupled = model.coupled(&model.at(position)?, &model.stiffness(position)?)?;
+            // The joints' rows first: a stiff one hardly moves with the basis, and only its square is added.
+            let joints = multiply(&coupled.roots, &basis);
+            let mut parts = basis.clone();
+            scale_rows(&mut parts, model.eigenvalues.iter().map(|l| l.sqrt()));
+            let stiffness = multiply_transposed(&parts, &parts) + multiply_transposed(&joints, &joints);
             step();
             Ok(LocalModel {
                 stiffness: 0.5 * (&stiffness + stiffness.transpose()),
@@ -125,7 +131,8 @@ impl PathModel {
                 (m.position, all.map(|(zeta, eta)| zeta + 0.5 * eta).collect())
             })
             .collect();
-        Ok(Self { first: from, spacing, table, ratios })
+        let free = trained.iter().map(|m| m.free).min().unwrap_or(0);
+        Ok(Self { first: from, spacing, table, free, ratios })
     }
 
     /// Steps that [`Self::new`] reports for a range.
@@ -144,7 +151,7 @@ impl PathModel {
             if interrupt.requested() {
                 return Err(ResponseError::Interrupted);
             }
-            let modes = modes_at(model, damping, position, 50)?;
+            let modes = modes_at(model, damping, position)?;
             step();
             Ok(modes)
         };
@@ -271,7 +278,7 @@ fn span(model: &CoupledModel, trained: &[Modes], options: PathOptions) -> Result
         }
     }
     let failed = |source| dense(middle.position, source);
-    let eigen = symmetric_eigen_polished(&gram, 0).map_err(failed)?;
+    let eigen = symmetric_eigen_fast(&gram).map_err(failed)?;
     let edge = options.tolerance.powi(2) * eigen.values.amax();
     let strong: Vec<usize> = (0..n).filter(|k| eigen.values[*k] > edge).collect();
     let mut directions = eigen.vectors.select_columns(&strong);
@@ -318,7 +325,7 @@ fn rest(modes: &Modes, basis: &DMatrix<f64>) -> Result<DMatrix<f64>, crate::lina
     let ports = |rows: &DMatrix<f64>| multiply(rows, &turned);
     let (outputs, inputs) = (ports(&modes.outputs), ports(&modes.inputs));
     scale_rows(&mut turned, modes.eigenvalues.iter().map(|l| l.sqrt()));
-    let own = symmetric_eigen_polished(&multiply_transposed(&turned, &turned), modes.free)?;
+    let own = symmetric_eigen(&multiply_transposed(&turned, &turned))?;
     let (outputs, inputs) = (multiply(&outputs, &own.vectors), multiply(&inputs, &own.vectors));
     for r in modes.free..own.values.len() {
         direct -= outputs.column(r) * inputs.column(r).transpose() / own.values[r];

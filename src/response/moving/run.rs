@@ -3,7 +3,7 @@
 use super::basis::{LocalModel, PathModel};
 use super::energy::{Account, Energy, Sample};
 use crate::interrupt::Interrupt;
-use crate::linalg::{multiply, symmetric_eigen_polished};
+use crate::linalg::{multiply, symmetric_eigen_fast};
 use crate::response::{Forces, History, Path, Recording, ResponseError};
 use crate::state_space::ModeStep;
 use nalgebra::{DMatrix, DVector};
@@ -47,10 +47,15 @@ struct Flow {
 impl Flow {
     fn new(model: &PathModel, position: f64, step: f64) -> Result<Self, ResponseError> {
         let local = model.at(position);
-        let eigen = symmetric_eigen_polished(&local.stiffness, 0)
-            .map_err(|source| ResponseError::Dense { position, source })?;
-        let rounding = 1e-12 * eigen.values.amax();
-        let free = eigen.values.iter().take_while(|l| **l <= rounding).count();
+        let mut eigen =
+            symmetric_eigen_fast(&local.stiffness).map_err(|source| ResponseError::Dense { position, source })?;
+        let free = model.free;
+        // Beside stiff modes the lowest keep few digits; Rayleigh's quotient has them.
+        let low = LOW * eigen.values.amax();
+        for r in free..eigen.values.iter().take_while(|l| **l < low).count() {
+            let shape = eigen.vectors.column(r);
+            eigen.values[r] = shape.dot(&(&local.stiffness * shape)).max(0.0);
+        }
         let ratios = model.ratios(position, eigen.values.len() - free);
         let omega = |r: usize| if r < free { 0.0 } else { eigen.values[r].sqrt() };
         let zeta = |r: usize| if r < free { 0.0 } else { ratios[r - free] };
@@ -70,6 +75,9 @@ impl Flow {
         &self.shapes * modal
     }
 }
+
+/// Modes below this share of the largest eigenvalue are made accurate.
+const LOW: f64 = 1e-8;
 
 /// Flows that are made at once, in parallel.
 const BLOCK: usize = 128;
