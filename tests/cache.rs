@@ -21,7 +21,7 @@ impl Room {
         let mut part = part("post", &["ZMIN"], vec![on("ZMAX")]);
         part.mesh = folder.path().join("post.inp");
         std::fs::write(&part.mesh, "the bytes of the mesh").expect("writes");
-        let request = ReductionRequest { part, component: craig_bampton(4), rails: Vec::new() };
+        let request = ReductionRequest { part, component: craig_bampton(4), reach: 0.0, rails: Vec::new() };
         let cache = Cache::in_folder(folder.path().join("cache"));
         Self { cache, request, mesh: box_mesh([0.0; 3], [0.1, 0.1, 0.3], [1, 1, 2]), folder }
     }

@@ -89,13 +89,14 @@ fn the_mode_table_leaves_a_free_familys_difference_empty() {
         position_of_min: 0.0,
         position_of_max: -0.6,
         interior_extremum: false,
+        reduction_error: (min > 0.0).then_some(2e-6),
     };
     let rows = [row(1, 0.0, 0.0, f64::NAN), row(2, 14.0, 17.5, 25.0)];
     eigenfrequencies::write_mode_table(&file, &rows).unwrap();
     assert_eq!(
         std::fs::read_to_string(&file).unwrap(),
         "family,min_hz,max_hz,difference_percent,position_of_min_m,position_of_max_m,\
-         interior_extremum\n1,0,0,,0,-0.6,false\n2,14,17.5,25,0,-0.6,false\n"
+         interior_extremum,reduction_error\n1,0,0,,0,-0.6,false,\n2,14,17.5,25,0,-0.6,false,0.000002\n"
     );
     let bad = [row(2, 14.0, 17.5, f64::INFINITY)];
     assert!(eigenfrequencies::write_mode_table(&file, &bad).is_err(), "only a free family's");

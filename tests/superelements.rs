@@ -64,7 +64,8 @@ fn a_free_part_whose_interfaces_do_not_hold_it_has_no_constraint_modes() {
         centres: vec![0.35],
         springs: vec![along([1.0, 0.0, 0.0]), along([0.0, 1.0, 0.0])],
     };
-    let request = |component| ReductionRequest { part: alone.clone(), component, rails: vec![rail.clone()] };
+    let request =
+        |component| ReductionRequest { part: alone.clone(), component, reach: 0.0, rails: vec![rail.clone()] };
     let refused = reduce(&request(craig_bampton(5)), &meshes[1], None).err();
     assert!(matches!(&refused, Some(ReductionError::NotHeld { free: 4, .. })), "{refused:?}");
     assert!(reduce(&request(free_interface(5)), &meshes[1], None).is_ok());

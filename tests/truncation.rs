@@ -157,7 +157,7 @@ mod mill {
             let meshes = pipeline::read_meshes(&machine).unwrap();
             let parts = pipeline::reduce_parts(&machine, &meshes, None, &Interrupt::default(), &|| {}).unwrap();
             let parts: Vec<_> = parts.into_iter().map(|p| p.superelement).collect();
-            let (model, _) = pipeline::build_model(&machine, &parts, 30, HIGHEST).unwrap();
+            let model = pipeline::build_model(&machine, &parts, 30, HIGHEST).unwrap().model;
             let positions = [0.0, -0.3137];
             let modes = positions.map(|p| modes_at(&model, &machine.analysis.damping, p).unwrap()).to_vec();
             let (systems, _) = modal_systems(&modes, HIGHEST, Selection::Controlled { tolerance: 1e-4 }).unwrap();

@@ -177,7 +177,8 @@ fn describe_axis(out: &mut String, machine: &Machine) -> Result<()> {
     let grid = &machine.analysis.frequencies;
     writeln!(
         out,
-        "analysis: {} component modes a part, {} elastic modes a position, {} from {} to {} Hz ({} grid{})",
+        "analysis: {}{} component modes a part, {} elastic modes a position, {} from {} to {} Hz ({} grid{})",
+        if machine.analysis.component.follows { "at least " } else { "" },
         machine.analysis.component.modes,
         machine.analysis.modes,
         machine.analysis.quantity.name(),

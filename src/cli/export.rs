@@ -147,7 +147,7 @@ fn write_reduced(
     let cached = pipeline::reduce_parts(machine, files, cache.as_ref(), interrupt, &|| ())?;
     let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
     let highest = machine.analysis.frequencies.iter().copied().fold(0.0, f64::max);
-    let (model, _) = pipeline::build_model(machine, &superelements, machine.analysis.modes, highest)?;
+    let model = pipeline::build_model(machine, &superelements, machine.analysis.modes, highest)?.model;
     let stiffness = model.stiffness(position).map_err(PipelineError::from)?;
     let at = model.at(position).map_err(PipelineError::from)?;
     let coupled = model.coupled(&at, &stiffness).map_err(PipelineError::from)?;

@@ -100,8 +100,15 @@ fn solve(system: &SecondOrder, step: FrequencyStep, interrupt: &Interrupt) -> Re
     let ordering = system.ordering().map_err(failed)?;
     let mut wanted = step.modes;
     loop {
-        let found =
-            shift_invert_modes(&system.stiffness, &system.mass, &ordering, wanted, Some(interrupt)).map_err(failed)?;
+        let found = shift_invert_modes(
+            &system.stiffness,
+            &system.mass,
+            &ordering,
+            system.rigid.ncols(),
+            wanted,
+            Some(interrupt),
+        )
+        .map_err(failed)?;
         let low = found.eigenvalues.iter().filter(|l| l.max(0.0).sqrt() / std::f64::consts::TAU < step.from).count();
         if found.eigenvalues.len() - low >= step.modes || found.eigenvalues.len() < wanted || step.from <= 0.0 {
             return Ok(found);

@@ -2,16 +2,17 @@
 
 use super::map::{Axes, Map};
 use super::progress::Progress;
-use super::run::{Arguments, Outcome};
+use super::run::{Arguments, Outcome, figure};
 use super::summary;
 use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::Path;
-use stiffmap::export::manifest::Manifest;
+use stiffmap::export::manifest::{Check, Manifest};
 use stiffmap::export::response::unit;
 use stiffmap::frf::Truncation;
 use stiffmap::machine::{Machine, Quantity};
-use stiffmap::pipeline::Solved;
+use stiffmap::modal::{Modes, ReductionEstimate};
+use stiffmap::pipeline::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, Solved};
 use stiffmap::reduction::Superelement;
 
 /// Hashes of the machine file and its meshes.
@@ -58,6 +59,7 @@ pub fn settings(manifest: &mut Manifest, machine: &Machine, arguments: &Argument
     settings.push("axis", json!(machine.axis.name));
     settings.push("frequency_grid", json!(machine.analysis.grid.name()));
     settings.push("component_modes", json!(machine.analysis.component.modes));
+    settings.push("component_modes_follow_frequency", json!(machine.analysis.component.follows));
     settings.push("reduction", json!(format!("{:?}", machine.analysis.component.method)));
     settings.push("second_moment", json!(machine.analysis.component.second_moment));
     settings.push("fixed_basis_for_hz", json!(band));
@@ -68,6 +70,45 @@ pub fn settings(manifest: &mut Manifest, machine: &Machine, arguments: &Argument
         settings.push("residual_degree", json!(degree));
     }
     settings.push("truncation_error", json!(truncation.error));
+}
+
+/// The checks of the reduction's error, and what to change where one fails.
+pub fn reduction(
+    checks: &mut Vec<Check>,
+    warnings: &mut Vec<String>,
+    errors: &ReductionErrors,
+    modes: &[Modes],
+    map: Option<f64>,
+) {
+    let worst = errors.worst(modes);
+    let frequency = worst.map_or(0.0, |w| w.error);
+    let frequencies = "reduction of the parts, largest estimate of a frequency's relative error";
+    checks.push(figure(frequencies, frequency, FREQUENCY_BOUND));
+    if let Some(map) = map {
+        let name = "reduction of the parts, largest estimate of the map's error, relative Frobenius norm";
+        checks.push(figure(name, map, MAP_BOUND));
+    }
+    if let Some(w) = worst.filter(|_| checks.iter().rev().take(2).any(|c| !c.passed)) {
+        warnings.push(format!(
+            "the reduction of the parts is too coarse: elastic mode {} at {:.1} Hz lies some {:.1e} of itself too high \
+             at {} m; give [analysis] component more `modes`, or leave `modes` and `band` out, so that they follow the \
+             highest frequency, or ask for fewer elastic `modes`",
+            w.rank, w.frequency, w.error, w.position
+        ));
+    }
+}
+
+/// The estimates of the reduction's error.
+pub fn errors(manifest: &mut Manifest, errors: &ReductionErrors, modes: &[Modes], map: Option<f64>) {
+    let worst = errors.worst(modes).map(|w| {
+        json!({"relative_error": w.error, "elastic_rank": w.rank, "frequency_hz": w.frequency, "position_m": w.position})
+    });
+    let of_position =
+        |e: &ReductionEstimate| json!({"position_m": e.position, "relative_error_by_rank": e.frequencies});
+    let all: Vec<_> = errors.estimates.iter().map(of_position).collect();
+    manifest
+        .settings
+        .push("reduction_error", super::run::without_nulls(json!({"worst": worst, "map": map, "elastic_modes": all})));
 }
 
 /// What the map holds, and whether it was streamed.

@@ -20,7 +20,7 @@ use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, read_machine};
 use stiffmap::modal::{ModalError, ModeTableRow, mode_table};
-use stiffmap::pipeline::{self, PipelineError, Solved};
+use stiffmap::pipeline::{self, PipelineError, ReductionErrors, Solved};
 use stiffmap::reduction::Cache;
 use stiffmap::state_space::StateSpaceOptions;
 
@@ -82,6 +82,7 @@ pub struct Outcome {
     pub machine: Machine,
     pub solved: Solved,
     pub table: Vec<ModeTableRow>,
+    pub errors: ReductionErrors,
     pub free_motions: Vec<String>,
     pub truncation: Truncation,
     pub axes: Axes,
@@ -115,18 +116,15 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
 
     let highest = machine.analysis.frequencies.iter().copied().fold(0.0, f64::max);
     let reported = machine.analysis.modes;
-    let (mut model, mut band) =
+    let pipeline::Built { mut model, error } =
         progress.stage("couple", 0, |_| pipeline::build_model(&machine, &superelements, reported, highest))?;
     warnings.extend(model.side_by_side.overhangs());
     let mut checks = Vec::new();
-    if hits < parts {
-        let check = progress.stage("check fixed basis", 0, |_| pipeline::check_basis(&machine, &model, reported))?;
-        checks.push(figure(
-            "fixed basis against the superelements side by side, largest relative frequency difference",
-            check,
-            1e-5,
-        ));
-    }
+    checks.push(figure(
+        "fixed basis against the superelements side by side, largest relative frequency difference",
+        error,
+        pipeline::BASIS_BOUND,
+    ));
     let (outputs, inputs) = (model.output_names(), model.input_names());
     let (given, quantity) = (machine.analysis.frequencies.clone(), machine.analysis.quantity);
     let mut axes = Axes { positions, frequencies: given, outputs, inputs, quantity };
@@ -143,7 +141,6 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             Err(PipelineError::Modal(error @ ModalError::Missed { .. })) => {
                 // The basis, not the machine, is to blame as long as it can be made larger.
                 model = pipeline::wider(&machine, &superelements, &model)?.ok_or(error)?;
-                band = model.frequency;
             }
             solved => break solved?,
         }
@@ -153,6 +150,11 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         solved.counts.iter().map(|c| c.found.abs_diff(c.counted)).max().unwrap_or(0) as f64,
         0.0,
     ));
+
+    let errors = progress.stage("reduction's error", 0, |_| {
+        pipeline::reduction_errors(&machine, &superelements, &model, &solved.modes, reported, highest)
+    })?;
+    warnings.extend(pipeline::few_component_modes(&machine, &superelements, highest));
 
     let exactly = arguments.overrides.modes.is_some() || arguments.no_residual;
     let selection = if exactly {
@@ -168,6 +170,8 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             TRUNCATION,
         ));
     }
+    let map_error = errors.map(&axes.positions, &systems, highest)?;
+    record::reduction(&mut checks, &mut warnings, &errors, &solved.modes, map_error);
     axes.frequencies = frequencies::around_modes(&machine.analysis, &systems)?;
     let request = axes.request(&systems);
     let options = BackendOptions {
@@ -200,25 +204,18 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     record::input(&mut manifest, &machine)?;
     record::size(&mut manifest, &superelements, model.n(), &solved, &machine, &truncation);
     manifest.counts.push("frequencies", axes.frequencies.len() as u64);
-    record::settings(&mut manifest, &machine, arguments, &truncation, band);
+    record::settings(&mut manifest, &machine, arguments, &truncation, model.frequency);
     record::map(&mut manifest, &axes, &map, limit);
     manifest.counts.push("parts_from_cache", hits as u64);
     let free_motions = summary::free_motions(&solved, &model);
     manifest.settings.push("free_motions", json!(free_motions));
     manifest.settings.push("veerings", json!(summary::veerings(&solved.families)));
 
-    let outcome = Outcome {
-        table: mode_table(&solved.families),
-        free_motions,
-        machine,
-        solved,
-        truncation,
-        axes,
-        map,
-        backend,
-        metrics,
-        out,
-    };
+    let mut table = mode_table(&solved.families);
+    errors.fill(&mut table, &solved.families, &solved.modes);
+    record::errors(&mut manifest, &errors, &solved.modes, map_error);
+    let outcome =
+        Outcome { table, errors, free_motions, machine, solved, truncation, axes, map, backend, metrics, out };
     record::extrema(&mut manifest, &outcome);
     let states = arguments.states.options(reported, !arguments.no_residual);
     let look = Look { systems: &systems, model: &model, superelements: &superelements };
@@ -269,7 +266,9 @@ fn write(
     let mut files: Vec<String> = Vec::new();
     progress.stage("write files", 0, |_| -> Result<()> {
         go_on()?;
-        eigenfrequencies::write_families(&out.join("eigenfrequencies.csv"), &outcome.solved.families)?;
+        let solved = &outcome.solved;
+        let errors = outcome.errors.by_rank(&solved.families, &solved.modes);
+        eigenfrequencies::write_families(&out.join("eigenfrequencies.csv"), &solved.families, &errors)?;
         eigenfrequencies::write_mode_table(&out.join("mode_table.csv"), &outcome.table)?;
         go_on()?;
         let names = (&axes.outputs[..], &axes.inputs[..]);

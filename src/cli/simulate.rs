@@ -248,11 +248,12 @@ impl Arguments {
         manifest.warnings.extend(pipeline::cache_warnings(&cached));
         let parts: Vec<_> = cached.into_iter().map(|c| c.superelement).collect();
         let basis = BASIS * self.highest(machine);
-        let (model, band) =
-            progress.stage("couple", 0, |_| pipeline::build_model(machine, &parts, machine.analysis.modes, basis))?;
+        let model = progress
+            .stage("couple", 0, |_| pipeline::build_model(machine, &parts, machine.analysis.modes, basis))?
+            .model;
         manifest.warnings.extend(model.side_by_side.overhangs());
         manifest.counts.push("fixed_basis_coordinates", model.n() as u64);
-        manifest.settings.push("fixed_basis_for_hz", json!(band));
+        manifest.settings.push("fixed_basis_for_hz", json!(model.frequency));
         Ok(model)
     }
 

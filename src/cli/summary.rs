@@ -149,17 +149,20 @@ pub fn print(outcome: &Outcome, manifest: &Manifest, progress: &Progress) {
     for free in &outcome.free_motions {
         line(format!("free motion at 0 Hz: {free}"));
     }
-    line(format!("\nfamily    min Hz    max Hz   diff %   at {axis} (m) of min, max   extremum inside"));
+    line(format!(
+        "\nfamily    min Hz    max Hz   diff %   at {axis} (m) of min, max   extremum inside   reduction error"
+    ));
     for row in outcome.table.iter().filter(|row| row.max > 0.0) {
         line(format!(
-            "{:6} {:9.2} {:9.2} {:8.1}   {:9.3}  {:9.3}       {}",
+            "{:6} {:9.2} {:9.2} {:8.1}   {:9.3}  {:9.3}       {:<3}             {}",
             row.family,
             row.min,
             row.max,
             row.difference_percent,
             row.position_of_min,
             row.position_of_max,
-            if row.interior_extremum { "yes" } else { "no" }
+            if row.interior_extremum { "yes" } else { "no" },
+            row.reduction_error.map_or_else(String::new, |e| format!("{e:.0e}"))
         ));
     }
     for veering in veerings(&outcome.solved.families) {

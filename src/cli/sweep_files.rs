@@ -126,7 +126,7 @@ fn design_map(study: &Study, superelements: &[Superelement], index: u64) -> Resu
     let frequencies = &machine.analysis.frequencies;
     let highest = frequencies.iter().copied().fold(0.0, f64::max);
     let reported = machine.analysis.modes;
-    let (model, _) = pipeline::build_model(machine, &parts, reported, highest)?;
+    let model = pipeline::build_model(machine, &parts, reported, highest)?.model;
     let modes = study.positions.iter().map(|p| modes_at(&model, &machine.analysis.damping, *p));
     let modes = modes.collect::<Result<Vec<_>, _>>().with_context(|| format!("design {index}"))?;
     let (systems, _) = modal_systems(&modes, highest, Selection::Controlled { tolerance: 1e-4 })?;

@@ -150,12 +150,9 @@ impl FixedBasis {
         triangle(&high)
     }
 
-    /// Strain energy of one part in the residual response to forces on rows.
-    ///
-    /// With X = (Lambda_h^-1 - U (U^T Lambda_h U)^-1 U^T) R_h^T and Lambda_p the part's share of
-    /// Lambda_h: U^T Lambda_p X between the basis and the forces, and X^T Lambda_p X between forces.
-    /// Over all parts the first adds up to zero and the second to the residual flexibility.
-    pub fn residual_energy(&self, rows: &DMatrix<f64>, part: impl Fn(usize) -> bool) -> ResidualEnergy {
+    /// The static response to unit forces on rows that the basis leaves out, over the high coordinates:
+    /// X = (Lambda_h^-1 - U (U^T Lambda_h U)^-1 U^T) R_h^T, n_high x n_rows.
+    pub fn residual_response(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let high = self.high_of(rows);
         let mut kept = multiply(&high, &self.directions);
         for (mut column, l) in kept.column_iter_mut().zip(self.eigenvalues.iter().skip(self.low.len())) {
@@ -165,7 +162,16 @@ impl FixedBasis {
         for (mut row, l) in response.row_iter_mut().zip(&self.high_eigenvalues) {
             row /= *l;
         }
-        response -= multiply(&self.directions, &kept.transpose());
+        response - multiply(&self.directions, &kept.transpose())
+    }
+
+    /// Strain energy of one part in the residual response to forces on rows.
+    ///
+    /// With X of [`Self::residual_response`] and Lambda_p the part's share of
+    /// Lambda_h: U^T Lambda_p X between the basis and the forces, and X^T Lambda_p X between forces.
+    /// Over all parts the first adds up to zero and the second to the residual flexibility.
+    pub fn residual_energy(&self, rows: &DMatrix<f64>, part: impl Fn(usize) -> bool) -> ResidualEnergy {
+        let response = self.residual_response(rows);
         let mut weighted = response.clone();
         for (k, (mut row, l)) in weighted.row_iter_mut().zip(&self.high_eigenvalues).enumerate() {
             row *= if part(self.high[k]) { *l } else { 0.0 };

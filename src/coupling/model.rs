@@ -168,6 +168,24 @@ impl CoupledModel {
         self.n() >= self.side_by_side.n()
     }
 
+    /// Mode shapes over the basis as shapes over the superelements side by side, with the static response to the
+    /// joints' forces that the basis leaves out: n_side_by_side x m.
+    ///
+    /// # Errors
+    /// As [`Self::at`] and [`Self::coupled`].
+    pub fn whole_shapes(&self, position: f64, shapes: &DMatrix<f64>) -> Result<DMatrix<f64>, CouplingError> {
+        let at = self.at(position)?;
+        let coupled = self.coupled(&at, &self.stiffness(position)?)?;
+        let forces = multiply(&coupled.forces, shapes);
+        let rest = multiply(&self.basis.residual_response(&self.side_by_side.rows(position)?), &forces);
+        let mut whole = self.over_parts(shapes);
+        for (k, &i) in self.basis.high.iter().enumerate() {
+            let mut row = whole.row_mut(i);
+            row -= rest.row(k);
+        }
+        Ok(whole)
+    }
+
     /// Shapes over the basis as shapes over the superelements side by side.
     pub fn over_parts(&self, shapes: &DMatrix<f64>) -> DMatrix<f64> {
         multiply(&self.basis.matrix(), shapes)

@@ -10,16 +10,24 @@ use crate::reduction::{RailSpring, RailTraining, ReductionRequest};
 /// a frequency, 0.55 leave 2e-5, 0.28 leave 7e-8.
 const SPACING: f64 = 0.28;
 
+/// Where the machine file gives no number, a part's modes are kept up to this multiple of the highest frequency.
+///
+/// On the bundled mill modes up to 1.5 times a frequency leave some 1e-5 of it, up to twice some 1e-6.
+const REACH: f64 = 2.0;
+
 /// One reduction request a part.
 ///
 /// `centroids[part][interface]` are the interfaces' area centroids (m) in the drawn pose.
 pub fn reduction_requests(machine: &Machine, centroids: &[Vec<[f64; 3]>]) -> Vec<ReductionRequest> {
     let axis = &machine.axis;
     let along = |x: [f64; 3]| (0..3).map(|c| x[c] * axis.direction[c]).sum::<f64>();
+    let component = machine.analysis.component;
+    let highest = machine.analysis.frequencies.iter().copied().fold(0.0, f64::max);
+    let reach = if component.follows { REACH * highest } else { 0.0 };
     let mut requests: Vec<ReductionRequest> = machine
         .parts
         .iter()
-        .map(|part| ReductionRequest { part: part.clone(), component: machine.analysis.component, rails: Vec::new() })
+        .map(|part| ReductionRequest { part: part.clone(), component, reach, rails: Vec::new() })
         .collect();
     for joint in &machine.joints {
         let Some(footprint) = joint.footprint else { continue };

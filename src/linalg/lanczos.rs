@@ -24,6 +24,8 @@ pub struct LanczosOptions<'a> {
     pub block: usize,
     /// Largest |K^-1 M x - x / omega^2| omega^2 in the mass norm.
     pub tolerance: f64,
+    /// Vectors of the iteration's space beyond the wanted modes to hand out, at most.
+    pub beyond: usize,
     /// Asked at every step whether to stop.
     pub interrupt: Option<&'a Interrupt>,
 }
@@ -37,6 +39,9 @@ pub struct Spectrum {
     pub shapes: DMatrix<f64>,
     /// Largest explicit residual, relative.
     pub residual: f64,
+    /// Ritz vectors of the iteration's space beyond the modes, mass-orthonormal, n x n_beyond: not converged, but
+    /// they show what lies above the last mode and cost no further step.
+    pub beyond: DMatrix<f64>,
 }
 
 /// The lowest modes, as many as asked for or as there are.
@@ -50,7 +55,7 @@ pub fn lowest_modes(
     inverse: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
     options: LanczosOptions<'_>,
 ) -> Result<Spectrum, LinalgError> {
-    let LanczosOptions { modes, block, tolerance, interrupt } = options;
+    let LanczosOptions { modes, block, tolerance, beyond, interrupt } = options;
     assert!(modes > 0 && block > 0, "at least one mode and one vector a step");
     let largest_dimension = 6 * modes + 20 * block;
     let mut krylov = Krylov::new(mass.n());
@@ -76,7 +81,9 @@ pub fn lowest_modes(
             let (x, y) = krylov.ritz_vectors(&vectors, inverse, mass);
             worst = explicit_residual(&x, &y, &theta, mass);
             if exhausted || worst < tolerance {
-                return polish(&x, &y, mass, worst);
+                let next: Vec<usize> = (0..dimension).rev().skip(wanted).take(beyond).collect();
+                let next = DMatrix::from_fn(dimension, next.len(), |i, k| ritz.vectors[(i, next[k])]);
+                return polish(&x, &y, mass, worst, krylov.basis.times(&next));
             }
         }
         if dimension > largest_dimension {
@@ -211,14 +218,20 @@ fn explicit_residual(x: &DMatrix<f64>, y: &DMatrix<f64>, theta: &[f64], mass: &S
 
 /// Rayleigh-Ritz on Y = K^-1 M X: Y^T K Y = Y^T M X, because K Y = M X up to constraint forces, which
 /// do no work on Y.
-fn polish(x: &DMatrix<f64>, y: &DMatrix<f64>, mass: &SparseSymmetric, residual: f64) -> Result<Spectrum, LinalgError> {
+fn polish(
+    x: &DMatrix<f64>,
+    y: &DMatrix<f64>,
+    mass: &SparseSymmetric,
+    residual: f64,
+    beyond: DMatrix<f64>,
+) -> Result<Spectrum, LinalgError> {
     let gram = multiply_transposed(y, &mass.multiply(y));
     let combine = independent_directions(&gram, 1e-14)?;
     let stiffness = multiply_transposed(y, &mass.multiply(x));
     let stiffness = multiply_transposed(&combine, &multiply(&stiffness, &combine));
     let eigen = symmetric_eigen(&(0.5 * (&stiffness + stiffness.transpose())))?;
     let shapes = multiply(y, &multiply(&combine, &eigen.vectors));
-    Ok(Spectrum { eigenvalues: eigen.values.iter().copied().collect(), shapes, residual })
+    Ok(Spectrum { eigenvalues: eigen.values.iter().copied().collect(), shapes, residual, beyond })
 }
 
 /// A repeatable block of numbers in (-1, 1) (splitmix64).

@@ -5,9 +5,10 @@
 //! ```
 //!
 //! A zero shift fails on a free body; a positive s keeps the matrix definite, and rigid motions come out
-//! as lambda = 0 beside the elastic modes. The shift is found in steps: the first follows from the size of
-//! K and M, the next from the lowest elastic mode seen, until the two are comparable, so that rounding in
-//! K, which is amplified by lambda_max / s, stays small. The modes are counted by the inertia of
+//! as lambda = 0 beside the elastic modes. How many there are is known from K R = 0, not from a size: a
+//! slender boom bends at 0.1 Hz. The shift is found in steps: the first follows from the size of K and M, the
+//! next from the lowest elastic mode seen, until the two are comparable, so that rounding in K, which is
+//! amplified by lambda_max / s, stays small. The modes are counted by the inertia of
 //! K - sigma M with sigma in a gap behind the last of them, so that none is missed, not one of a pair.
 //!
 //! # Source
@@ -39,8 +40,8 @@ pub struct FreeSpectrum {
 /// Modes computed beyond those wanted, so that the last wanted one has a gap behind it.
 const SPARE: usize = 4;
 /// Passes that look for the shift, and the modes that each looks at.
-const PASSES: usize = 6;
-const SCOUTS: usize = 8;
+const PASSES: usize = 8;
+const SCOUTS: usize = 4;
 /// Vectors a step of the iteration: at first, as many as a free body has rigid motions; while modes are
 /// missed (several loose bodies, an element of high symmetry) twice as many, up to the widest, and twice
 /// the spare modes.
@@ -48,10 +49,12 @@ const BLOCK: usize = 6;
 const WIDEST: usize = 96;
 /// Eigenvalues further apart than this share are not of one multiple root.
 const DISTINCT: f64 = 1e-6;
-/// An eigenvalue below this share of the first elastic one is a rigid motion.
-const RIGID: f64 = 1e-5;
+/// Beside the shift an eigenvalue below this share of it is not seen in a scouting pass.
+const SEEN: f64 = 1e-3;
+/// The shift is at least this share of the average of K over M: below, rounding of K makes K + s M indefinite.
+const LEAST_SHIFT: f64 = 1e-13;
 
-/// The `modes` lowest modes of K phi = lambda M phi, or as many as there are; K may be singular.
+/// The `modes` lowest modes of K phi = lambda M phi, or as many as there are; K leaves `rigid` motions free.
 ///
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`] if K + s M is not, [`LinalgError::NotConverged`],
@@ -63,6 +66,7 @@ pub fn shift_invert_modes(
     stiffness: &SparseSymmetric,
     mass: &SparseSymmetric,
     ordering: &Ordering,
+    rigid: usize,
     modes: usize,
     interrupt: Option<&Interrupt>,
 ) -> Result<FreeSpectrum, LinalgError> {
@@ -76,30 +80,37 @@ pub fn shift_invert_modes(
     let solve = |shift: f64, modes: usize, block: usize, tolerance: f64| -> Result<Spectrum, LinalgError> {
         let factor = Cholesky::new(&stiffness.plus_scaled(shift, mass), ordering)?;
         let inverse = |load: &DMatrix<f64>| factor.solve(load);
-        let options = LanczosOptions { modes: modes.min(n), block: block.min(n), tolerance, interrupt };
+        let options = LanczosOptions { modes: modes.min(n), block: block.min(n), tolerance, beyond: 0, interrupt };
         let mut spectrum = lowest_modes(mass, &inverse, options)?;
         spectrum.eigenvalues.iter_mut().for_each(|l| *l -= shift);
         Ok(spectrum)
     };
-    // The first elastic eigenvalue stands out against rounding of K, some 1e-13 of the largest.
-    let noise = 1e-12 * largest;
-    let first_elastic = |values: &[f64], shift: f64| values.iter().copied().find(|l| *l > 1e-4 * shift && *l > noise);
     let mut shift = 1e-7 * largest;
     for _ in 0..PASSES {
-        let values = solve(shift, SCOUTS, BLOCK, 1e-4)?.eigenvalues;
-        match first_elastic(&values, shift) {
-            Some(first) if (0.05..=20.0).contains(&(shift / first)) => break,
-            Some(first) => shift = first,
-            None if values.len() < n.min(SCOUTS) => break,
-            None => shift *= 10.0,
+        let values = match solve(shift, SCOUTS + rigid, BLOCK, 1e-4) {
+            Err(LinalgError::NotPositiveDefinite { .. }) if shift < 1e-7 * largest => {
+                shift *= 10.0;
+                break;
+            }
+            values => values?.eigenvalues,
+        };
+        let Some(&first) = values.get(rigid) else { break };
+        if first > SEEN * shift && (0.05..=20.0).contains(&(shift / first)) {
+            break;
         }
+        let next = if first > SEEN * shift { first } else { SEEN * shift };
+        let next = next.max(LEAST_SHIFT * largest);
+        if next == shift {
+            break;
+        }
+        shift = next;
     }
     let (mut block, mut spare) = (BLOCK, SPARE);
     loop {
-        let Spectrum { eigenvalues, shapes, residual } = solve(shift, wanted + spare, block, 1e-9)?;
-        let first = first_elastic(&eigenvalues, shift).unwrap_or(shift);
-        let zero = (RIGID * first).max(noise).min(1e-2 * first);
-        let rigid = eigenvalues.iter().filter(|l| l.abs() < zero).count();
+        let Spectrum { eigenvalues, shapes, residual, .. } = solve(shift, wanted + spare, block, 1e-9)?;
+        // Rigid motions are zero but for rounding, and count as one cluster.
+        let zero = eigenvalues.iter().take(rigid).fold(1e-9 * shift, |m: f64, l| m.max(l.abs()));
+        let rigid = rigid.min(eigenvalues.len());
         let found = FreeSpectrum { eigenvalues, shapes, rigid, residual, counted: 0, counted_below: 0.0 };
         match count(found, stiffness, mass, ordering, wanted, zero) {
             // A block sees no more members of a multiple root than it has vectors, and behind the root

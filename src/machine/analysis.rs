@@ -9,7 +9,7 @@ use super::table::{Bound, Item, Table};
 
 type Result<T> = std::result::Result<T, MachineError>;
 
-/// Component modes a part, and modes a position, where the file names no number: the paper's.
+/// Component modes a part at least, and modes a position, where the file names no number: the paper's.
 const DEFAULT_COMPONENT_MODES: usize = 50;
 const DEFAULT_MODES: usize = 30;
 
@@ -35,6 +35,7 @@ pub(super) fn read_analysis(root: &Table<'_>) -> Result<Analysis> {
 
 const DEFAULT_COMPONENT: ComponentAnalysis = ComponentAnalysis {
     modes: DEFAULT_COMPONENT_MODES,
+    follows: true,
     band: f64::INFINITY,
     method: ReductionMethod::CraigBampton,
     second_moment: true,
@@ -44,10 +45,10 @@ fn read_component(item: &Item<'_>) -> Result<ComponentAnalysis> {
     let table = item.table()?;
     let mut component = DEFAULT_COMPONENT;
     if let Some(item) = table.get("modes") {
-        component.modes = item.count()?;
+        (component.modes, component.follows) = (item.count()?, false);
     }
     if let Some(item) = table.get("band") {
-        component.band = item.quantity(Dimension::Frequency, Bound::Positive)?;
+        (component.band, component.follows) = (item.quantity(Dimension::Frequency, Bound::Positive)?, false);
     }
     if let Some(item) = table.get("method") {
         component.method = match item.text()? {

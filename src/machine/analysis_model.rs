@@ -89,8 +89,10 @@ impl Quantity {
 /// Reduction of the parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComponentAnalysis {
-    /// Component modes a part, at most.
+    /// Component modes a part, at most; at least, where their number follows the frequency.
     pub modes: usize,
+    /// Whether the number follows the highest frequency asked for: the file gives neither `modes` nor `band`.
+    pub follows: bool,
     /// Component modes above this frequency (Hz) are not kept; infinite for no bound.
     pub band: f64,
     /// Reduction method.

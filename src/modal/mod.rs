@@ -1,11 +1,13 @@
 //! Modes at a position: found, counted, tracked into families.
 
 mod convergence;
+mod estimate;
 mod free_motion;
 mod solve;
 mod tracking;
 
 pub use convergence::{ConvergenceError, Extrapolation, extrapolate};
+pub use estimate::{ReductionEstimate, reduction_estimate};
 pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at};
 pub use tracking::{Tracker, mode_table, track};
 
@@ -106,4 +108,7 @@ pub struct ModeTableRow {
     pub position_of_max: f64,
     /// Whether either extremum lies between the ends of the travel.
     pub interior_extremum: bool,
+    /// Largest estimate of how much too high the reduction of the parts puts the frequency, relative; `None` for a
+    /// free motion, and until it is estimated.
+    pub reduction_error: Option<f64>,
 }

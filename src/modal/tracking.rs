@@ -211,6 +211,7 @@ pub fn mode_table(families: &ModeFamilies) -> Vec<ModeTableRow> {
             position_of_min: min.0,
             position_of_max: max.0,
             interior_extremum: beyond,
+            reduction_error: None,
         })
     };
     first.iter().filter_map(|mode| row(mode.family)).collect()

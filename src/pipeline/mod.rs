@@ -1,7 +1,9 @@
 //! The main job's stages, each a function from one named struct to the next.
 
+mod reduction_error;
 mod travel;
 
+pub use reduction_error::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, few_component_modes, reduction_errors};
 pub use travel::{check_travel, screw_length};
 
 use crate::coupling::{
@@ -109,30 +111,41 @@ pub fn reduce_parts(
     Ok(parts.into_iter().map(|(_, cached)| cached).collect())
 }
 
+/// A machine in its fixed basis, with how good that is.
+#[derive(Clone, Debug)]
+pub struct Built {
+    /// The machine; its basis was made for `model.frequency`.
+    pub model: CoupledModel,
+    /// Largest relative difference of the wanted frequencies between the basis and the superelements side by
+    /// side; see [`check_basis`].
+    pub error: f64,
+}
+
+/// A basis is made larger as long as it is further than this from the superelements side by side.
+pub const BASIS_BOUND: f64 = 1e-5;
+
 /// Couples the superelements in a fixed basis made for frequencies up to `highest` (Hz), or as far up
-/// as the `reported` elastic modes reach where that is higher; returns the frequency it was made for.
+/// as the `reported` elastic modes reach where that is higher, and made larger until it is within
+/// [`BASIS_BOUND`] of the superelements or holds all their coordinates.
 ///
 /// # Errors
-/// [`PipelineError`] of coupling, or of the modes at the first station.
+/// [`PipelineError`] of coupling, or of the modes at the positions looked at.
 pub fn build_model(
     machine: &Machine,
     superelements: &[Superelement],
     reported: usize,
     highest: f64,
-) -> Result<(CoupledModel, f64), PipelineError> {
+) -> Result<Built, PipelineError> {
     let mut made = highest.max(SOFTEST * lowest_elastic(superelements));
     loop {
         let model = couple(machine, superelements, BasisOptions::up_to(made))?;
-        let modes = modes_at(&model, &machine.analysis.damping, machine.axis.travel[0])?;
-        let Some(last) = (modes.free + reported).min(modes.eigenvalues.len()).checked_sub(1) else {
-            return Ok((model, made));
-        };
-        let (last, fewer) = (modes.frequency(last), modes.eigenvalues.len() < modes.free + reported);
+        let (error, last) = check_basis(machine, &model, reported)?;
         // Frequencies move by some 10 % over a travel; a basis that reaches a quarter too far is no loss.
-        if model.is_whole() || 0.8 * last <= made && !fewer {
-            return Ok((model, made));
+        let reaches = last.is_some_and(|last| 0.8 * last <= made);
+        if model.is_whole() || reaches && error <= BASIS_BOUND {
+            return Ok(Built { model, error });
         }
-        made = (1.25 * last).max(if fewer { 2.0 * made } else { 0.0 });
+        made = if reaches { 1.5 * made } else { last.map_or(2.0 * made, |last| 1.25 * last) };
     }
 }
 
@@ -162,25 +175,34 @@ pub fn wider(
 }
 
 /// Largest relative difference of the lowest `reported` elastic frequencies between the fixed basis and
-/// the superelements side by side, at both ends and off the stations in the middle of the travel.
+/// the superelements side by side, at both ends and off the stations in the middle of the travel; and the highest
+/// of those frequencies (Hz), `None` if the basis has fewer.
 ///
 /// # Errors
 /// [`PipelineError::Coupling`] or [`PipelineError::Modal`].
-pub fn check_basis(machine: &Machine, model: &CoupledModel, reported: usize) -> Result<f64, PipelineError> {
+pub fn check_basis(
+    machine: &Machine,
+    model: &CoupledModel,
+    reported: usize,
+) -> Result<(f64, Option<f64>), PipelineError> {
     let [from, to] = machine.axis.travel;
     let middle = 0.5 * (from + to) + 0.37 * machine.axis.step * (to - from).signum();
-    let one = |position: &f64| -> Result<f64, PipelineError> {
+    let one = |position: &f64| -> Result<(f64, Option<f64>), PipelineError> {
         let modes = modes_at(model, &machine.analysis.damping, *position)?;
-        let last = (modes.free + reported).min(modes.eigenvalues.len());
+        let n = modes.eigenvalues.len();
+        let last = (modes.free + reported).min(n);
         // A few more, so that the last one wanted has neighbours to be told from.
-        let block = (last + GUARD).min(modes.eigenvalues.len());
+        let block = (last + GUARD).min(n);
         let start = model.over_parts(&modes.shapes.columns(0, block).into_owned());
         let exact = model.side_by_side.eigenvalues_near(*position, &start, model.shift())?;
-        let difference = |r: usize| (modes.eigenvalues[r] / exact[r]).sqrt() - 1.0;
-        Ok((modes.free..last).map(|r| difference(r).abs()).fold(0.0, f64::max))
+        let difference = |r: usize| ((modes.eigenvalues[r] / exact[r]).sqrt() - 1.0).abs();
+        let highest = (last == modes.free + reported && last > 0).then(|| modes.frequency(last - 1));
+        Ok(((modes.free..last).map(difference).fold(0.0, f64::max), highest))
     };
-    let errors = [from, middle, to].par_iter().map(one).collect::<Result<Vec<f64>, _>>()?;
-    Ok(errors.into_iter().fold(0.0, f64::max))
+    let all = [from, middle, to].par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    let highest = all.iter().map(|(_, last)| *last).collect::<Option<Vec<f64>>>();
+    let error = all.iter().map(|(error, _)| *error).fold(0.0, f64::max);
+    Ok((error, highest.map(|all| all.into_iter().fold(0.0, f64::max))))
 }
 
 /// Modes beyond the wanted ones that an iteration carries along.
@@ -309,7 +331,7 @@ pub fn at_position(
     let cached = reduce_parts(machine, meshes, cache, interrupt, &|| ())?;
     let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
     let highest = machine.analysis.frequencies.iter().copied().fold(1.0, f64::max);
-    let (mut model, _) = build_model(machine, &superelements, elastic, highest)?;
+    let mut model = build_model(machine, &superelements, elastic, highest)?.model;
     let modes = loop {
         let modes = modes_at(&model, &machine.analysis.damping, position)?;
         match check_count(&model, &modes, modes.free + elastic) {

@@ -7,7 +7,7 @@
 
 use super::skin::ReducedSkin;
 use super::superelement::{ReducedInterface, ReducedRail};
-use super::{ReductionError, ReductionRequest, Superelement, reduce};
+use super::{Beyond, ReductionError, ReductionRequest, Superelement, reduce};
 use crate::interrupt::Interrupt;
 use crate::mesh::{Mesh, included_files};
 use crate::solid::{Face, Surface};
@@ -86,7 +86,7 @@ impl Cache {
                 let files = [&m.dofs, &m.nodes, &m.sets].map(Option::is_some);
                 (&m.stiffness_name, &m.mass_name, m.free, m.with_mesh, &m.interfaces, files)
             }),
-            request.component,
+            (request.component, request.reach),
             &request.rails,
         );
         hasher.update(format!("{described:?}").as_bytes());
@@ -244,6 +244,9 @@ impl Writer {
         self.numbers(&[s.mass]);
         self.numbers(s.inertia.as_slice());
         self.list(&s.component_frequencies);
+        self.list(&s.beyond.eigenvalues);
+        self.matrix(&s.beyond.stiffness);
+        self.matrix(&s.beyond.mass);
         [s.n_nodes, s.n_elements, s.n_dof].iter().for_each(|&n| self.count(n));
     }
 }
@@ -318,6 +321,7 @@ impl Reader<'_> {
             mass: self.number()?,
             inertia: Matrix3::from_column_slice(&self.numbers(9)?),
             component_frequencies: self.list()?,
+            beyond: Beyond { eigenvalues: self.list()?, stiffness: self.matrix()?, mass: self.matrix()? },
             n_nodes: self.count()?,
             n_elements: self.count()?,
             n_dof: self.count()?,

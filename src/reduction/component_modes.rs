@@ -5,16 +5,47 @@ use crate::linalg::{LinalgError, Spectrum};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
+/// The estimate of the error looks at least at so many vectors beyond the modes.
+const LEAST_BEYOND: usize = 40;
+
 /// How many component modes are wanted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ComponentModes<'a> {
     pub modes: usize,
     pub band: f64,
+    /// Modes are kept at least up to this frequency, Hz.
+    pub reach: f64,
     pub second_moment: bool,
     pub interrupt: Option<&'a Interrupt>,
 }
 
+/// Blocks of basis vectors of a reduction, the component modes first.
+pub(super) struct Vectors {
+    /// Frequencies of the component modes kept, Hz.
+    pub frequencies: Vec<f64>,
+    pub blocks: Vec<DMatrix<f64>>,
+    /// Vectors above them that hold the interfaces still.
+    pub beyond: DMatrix<f64>,
+}
+
 impl ComponentModes<'_> {
+    /// Vectors beyond the modes that the estimate of the error looks at.
+    pub fn beyond(self) -> usize {
+        self.modes.max(LEAST_BEYOND)
+    }
+
+    /// The same with as many modes as lie below its reach, if these are more.
+    ///
+    /// # Errors
+    /// As of the count.
+    pub fn reaching(self, count_below: impl Fn(f64) -> Result<usize, LinalgError>) -> Result<Self, LinalgError> {
+        if self.reach <= 0.0 {
+            return Ok(self);
+        }
+        let counted = count_below((TAU * self.reach).powi(2))?;
+        Ok(Self { modes: self.modes.max(counted), ..self })
+    }
+
     /// A few modes more than wanted, so that the inertia count finds a gap to stand in.
     pub fn with_guard(self) -> usize {
         self.modes + 4

@@ -17,6 +17,7 @@
 //! S. Rubin, AIAA J. 13 (1975); for second moments Z. Bai, Appl. Numer. Math. 43 (2002).
 
 mod basis;
+mod beyond;
 mod cache;
 mod component_modes;
 mod constraint;
@@ -26,6 +27,7 @@ mod free_interface;
 mod skin;
 mod superelement;
 
+pub use beyond::Beyond;
 pub use cache::{Cache, CacheError, Cached};
 pub use skin::{MOST_SKIN_NODES, ReducedSkin, Skin, skin};
 pub use superelement::{

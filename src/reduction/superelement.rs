@@ -1,7 +1,8 @@
 //! The superelement: what is left of a part.
 
 use super::basis::rayleigh_ritz;
-use super::component_modes::ComponentModes;
+use super::beyond::Beyond;
+use super::component_modes::{ComponentModes, Vectors};
 use super::flexibility::Flexibility;
 use super::skin::{ReducedSkin, reduced_skin};
 use super::{ReductionError, craig_bampton, free_interface};
@@ -19,6 +20,8 @@ pub struct ReductionRequest {
     pub part: Part,
     /// Method and number of modes.
     pub component: ComponentAnalysis,
+    /// Component modes are kept at least up to this frequency, Hz; 0 where their number is given.
+    pub reach: f64,
     /// Rails on this part.
     pub rails: Vec<RailTraining>,
 }
@@ -77,6 +80,8 @@ pub struct Superelement {
     pub inertia: Matrix3<f64>,
     /// Frequencies of the component modes kept, Hz.
     pub component_frequencies: Vec<f64>,
+    /// Motions above those, for the estimate of the error; none if the part is kept whole.
+    pub beyond: Beyond,
     /// Nodes of the mesh.
     pub n_nodes: usize,
     /// Elements of the mesh.
@@ -120,6 +125,7 @@ impl Superelement {
         scaled.rails.iter_mut().for_each(|r| r.basis *= row);
         scaled.skin.basis *= row;
         scaled.component_frequencies.iter_mut().for_each(|f| *f *= (young / density).sqrt());
+        scaled.beyond.scale(young / density);
         scaled.impulses *= density.sqrt();
         scaled.mass *= density;
         scaled.inertia *= density;
@@ -212,6 +218,7 @@ pub fn reduce(
     let modes = ComponentModes {
         modes: request.component.modes,
         band: request.component.band,
+        reach: request.reach,
         second_moment: request.component.second_moment,
         interrupt,
     };
@@ -221,12 +228,15 @@ pub fn reduce(
     };
     // Given matrices may be a superelement already: what a reduction would not make smaller is kept whole.
     let whole = mesh.matrices.is_some() && system.n_dof() <= modes.modes + 2 * motions.ncols();
-    let (component_frequencies, blocks) = if whole {
-        (Vec::new(), vec![flexibility.apply(&motions), DMatrix::identity(system.n_dof(), system.n_dof())])
+    let n = system.n_dof();
+    let Vectors { frequencies: component_frequencies, blocks, beyond } = if whole {
+        let blocks = vec![flexibility.apply(&motions), DMatrix::identity(n, n)];
+        Vectors { frequencies: Vec::new(), blocks, beyond: DMatrix::zeros(n, 0) }
     } else {
         method(&part.name, &system, &ordering, &flexibility, &motions, modes)?
     };
     let (eigenvalues, vectors) = rayleigh_ritz(&part.name, &system, &flexibility.rigid, blocks)?;
+    let beyond = Beyond::new(&part.name, &system, &vectors, beyond)?;
 
     let interfaces = system
         .interfaces
@@ -251,6 +261,7 @@ pub fn reduce(
         mass: system.total_mass,
         inertia: system.inertia,
         component_frequencies,
+        beyond,
         n_nodes: mesh.nodes.len(),
         n_elements: mesh.cells.len(),
         n_dof: system.n_dof(),

@@ -19,7 +19,8 @@ pub fn modes(mesh: &Mesh, supports: &[(&str, [bool; 3])], count: usize) -> FreeS
     body.supported = supports.iter().map(|(set, d)| Support { nodes: set.to_string(), directions: *d }).collect();
     let system = assemble(&body, mesh).expect("assembles");
     let ordering = system.ordering().expect("METIS orders it");
-    shift_invert_modes(&system.stiffness, &system.mass, &ordering, count, None).expect("converges and counts")
+    shift_invert_modes(&system.stiffness, &system.mass, &ordering, system.rigid.ncols(), count, None)
+        .expect("converges and counts")
 }
 
 /// Frequencies (Hz) of the elastic modes.

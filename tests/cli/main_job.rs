@@ -106,7 +106,7 @@ fn the_csv_files_hold_what_their_headers_say() {
     assert_eq!(header("eigenfrequencies.csv"), "position_m,family,rank,frequency_hz,damping_ratio");
     assert_eq!(
         header("mode_table.csv"),
-        "family,min_hz,max_hz,difference_percent,position_of_min_m,position_of_max_m,interior_extremum"
+        "family,min_hz,max_hz,difference_percent,position_of_min_m,position_of_max_m,interior_extremum,reduction_error"
     );
     let frequencies = column(&out.path().join("eigenfrequencies.csv"), "frequency_hz");
     // At each position the free rotation of the spindle and 30 elastic modes.

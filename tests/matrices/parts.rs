@@ -216,7 +216,8 @@ fn the_cache_sees_every_file_of_the_part() {
     write_part(folder.path(), &part, &mesh);
     let part = by_matrices(&part, files(folder.path(), &part));
     let cache = stiffmap::reduction::Cache::in_folder(folder.path().join("cache"));
-    let request = stiffmap::reduction::ReductionRequest { part, component: craig_bampton(5), rails: Vec::new() };
+    let request =
+        stiffmap::reduction::ReductionRequest { part, component: craig_bampton(5), reach: 0.0, rails: Vec::new() };
     let before = cache.file(&request).unwrap();
     for name in ["k.mtx", "m.mtx", "dofs.csv", "sets.csv"] {
         let file: &Path = &folder.path().join(name);

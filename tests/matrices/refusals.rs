@@ -30,7 +30,7 @@ fn refusal(change: &dyn Fn(&Path, &mut MatrixFiles)) -> String {
         Ok(file) => file.mesh,
         Err(error) => return error.to_string(),
     };
-    let request = ReductionRequest { part, component: craig_bampton(10), rails: Vec::new() };
+    let request = ReductionRequest { part, component: craig_bampton(10), reach: 0.0, rails: Vec::new() };
     reduce(&request, &mesh, None).map_or_else(|e| e.to_string(), |_| "accepted".into())
 }
 

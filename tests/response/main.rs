@@ -36,7 +36,7 @@ fn mill() -> &'static Mill {
         let cache = std::env::var_os("STIFFMAP_CACHE").map(|c| Cache::in_folder(PathBuf::from(c)));
         let parts = pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), &Interrupt::default(), &|| ()).unwrap();
         let parts: Vec<_> = parts.into_iter().map(|p| p.superelement).collect();
-        let model = pipeline::build_model(&machine, &parts, 30, 1.5 * 900.0).unwrap().0;
+        let model = pipeline::build_model(&machine, &parts, 30, 1.5 * 900.0).unwrap().model;
         Mill { machine, model }
     })
 }

@@ -120,7 +120,13 @@ pub fn slab(axis: usize, from: f64, to: f64) -> Region {
 
 /// Craig-Bampton with second moments.
 pub fn craig_bampton(modes: usize) -> ComponentAnalysis {
-    ComponentAnalysis { modes, band: f64::INFINITY, method: ReductionMethod::CraigBampton, second_moment: true }
+    ComponentAnalysis {
+        modes,
+        follows: false,
+        band: f64::INFINITY,
+        method: ReductionMethod::CraigBampton,
+        second_moment: true,
+    }
 }
 
 /// Free interface with second moments.
@@ -130,7 +136,7 @@ pub fn free_interface(modes: usize) -> ComponentAnalysis {
 
 /// The superelement of a part without rails.
 pub fn superelement(part: &Part, mesh: &Mesh, component: ComponentAnalysis) -> Superelement {
-    let request = ReductionRequest { part: part.clone(), component, rails: Vec::new() };
+    let request = ReductionRequest { part: part.clone(), component, reach: 0.0, rails: Vec::new() };
     reduce(&request, mesh, None).expect("the part can be reduced")
 }
 

@@ -88,6 +88,8 @@ pub struct TableEntry {
     pub position_of_min_m: f64,
     pub position_of_max_m: f64,
     pub interior_extremum: bool,
+    #[serde(default)]
+    pub reduction_error: Option<f64>,
 }
 
 /// As [`Veering`].
@@ -109,6 +111,7 @@ pub(super) fn table_entry(row: &ModeTableRow) -> TableEntry {
         position_of_min_m: row.position_of_min,
         position_of_max_m: row.position_of_max,
         interior_extremum: row.interior_extremum,
+        reduction_error: row.reduction_error,
     }
 }
 

@@ -29,10 +29,11 @@ function familyTable(header) {
       mm(row.position_of_min_m),
       mm(row.position_of_max_m),
       row.interior_extremum ? "yes" : "no",
+      row.reduction_error === null || row.reduction_error === undefined ? "–" : row.reduction_error.toExponential(1),
     ]);
   const axis = header.axis;
   const head = ["family", "min [Hz]", "max [Hz]", "difference [%]", `min at ${axis} [mm]`, `max at ${axis} [mm]`];
-  return table("Families over the travel, as run", [...head, "extremum inside"], rows);
+  return table("Families over the travel, as run", [...head, "extremum inside", "reduction error"], rows);
 }
 
 function mm(metres) {
