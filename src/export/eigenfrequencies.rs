@@ -25,7 +25,7 @@ pub fn write_families(path: &Path, families: &ModeFamilies, errors: &[Vec<Option
             let frequency = finite(path, mode.frequency, place("frequency"))?;
             let damping = finite(path, mode.damping_ratio, place("damping ratio"))?;
             let (family, rank) = (mode.family, mode.rank);
-            let error = errors.get(i).and_then(|e| *e.get(k)?).map_or_else(String::new, |e| format!("{e:.1e}"));
+            let error = errors.get(i).and_then(|e| *e.get(k)?).map_or_else(String::new, |e| format!("{e:.2e}"));
             text += &format!("{position},{family},{rank},{frequency},{damping},{error}\n");
         }
     }

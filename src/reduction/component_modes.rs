@@ -1,5 +1,6 @@
 //! How many component modes are wanted, and the check that none of them was missed.
 
+use super::basis::side_by_side;
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, Spectrum};
 use nalgebra::DMatrix;
@@ -31,7 +32,7 @@ pub(super) struct Vectors {
 impl ComponentModes<'_> {
     /// Vectors beyond the modes that the estimate of the error looks at.
     pub fn beyond(self) -> usize {
-        self.modes.max(LEAST_BEYOND)
+        self.modes + LEAST_BEYOND
     }
 
     /// The same with as many modes as lie below its reach, if these are more.
@@ -80,5 +81,11 @@ impl ComponentModes<'_> {
         let kept: Vec<f64> = frequencies.take(self.modes).take_while(|f| *f <= self.band).collect();
         let shapes = spectrum.shapes.columns(0, kept.len()).into_owned();
         (kept, shapes)
+    }
+
+    /// The vectors above the modes kept: the modes found beside them, then what the iteration holds beyond.
+    pub fn above(spectrum: &Spectrum, kept: usize) -> DMatrix<f64> {
+        let found = spectrum.shapes.columns_range(kept..).into_owned();
+        side_by_side([&found, &spectrum.beyond].into_iter())
     }
 }

@@ -59,5 +59,6 @@ pub(super) fn vectors(
     } else {
         blocks.push(constraint_modes);
     }
-    Ok(Vectors { frequencies, blocks, beyond: spectrum.beyond })
+    let beyond = ComponentModes::above(&spectrum, frequencies.len());
+    Ok(Vectors { frequencies, blocks, beyond })
 }

@@ -39,8 +39,9 @@ pub(super) fn vectors(
     // What lies beyond, with the interfaces brought back by the forces that it takes.
     let compliance = multiply_transposed(motions, &attachments);
     let combine = independent_directions(&(0.5 * (&compliance + compliance.transpose())), 1e-9).map_err(failed)?;
-    let moved = multiply_transposed(&multiply(motions, &combine), &spectrum.beyond);
-    let beyond = &spectrum.beyond - multiply(&attachments, &multiply(&combine, &moved));
+    let above = ComponentModes::above(&spectrum, frequencies.len());
+    let moved = multiply_transposed(&multiply(motions, &combine), &above);
+    let beyond = &above - multiply(&attachments, &multiply(&combine, &moved));
     let mut blocks = vec![modes];
     if request.second_moment {
         let second = flexibility.apply_mass(&attachments);
