@@ -14,7 +14,7 @@ fn assembled(mesh: &Mesh, clamped: &[&str]) -> Result<usize, String> {
 #[test]
 fn a_single_row_of_c3d20r_is_refused_with_cause_and_remedy() {
     let size = [0.1, 0.01, 0.01];
-    for (n, clamped) in [(10, &["XMIN"][..]), (3, &[]), (1, &["XMIN"]), (1, &[])] {
+    for (n, clamped) in [(10, &["XMIN"][..]), (3, &[]), (2, &[]), (3, &["XMIN", "XMAX"]), (1, &["XMIN"]), (1, &[])] {
         let row = grid(CellKind::Hex20Reduced, size, [n, 1, 1]);
         let message = assembled(&row, clamped).unwrap_err();
         for said in
@@ -24,7 +24,9 @@ fn a_single_row_of_c3d20r_is_refused_with_cause_and_remedy() {
         }
         assert!(assembled(&grid(CellKind::Hex20, size, [n, 1, 1]), clamped).is_ok());
     }
-    assert!(assembled(&grid(CellKind::Hex20Reduced, size, [10, 2, 1]), &["XMIN"]).is_ok());
+    for cells in [[10, 2, 1], [1, 2, 2], [2, 3, 1]] {
+        assert!(assembled(&grid(CellKind::Hex20Reduced, size, cells), &["XMIN"]).is_ok(), "{cells:?}");
+    }
     // Bent into elements that are no parallelepipeds, the row has a stiffness against every motion.
     let mut bent = grid(CellKind::Hex20Reduced, size, [10, 1, 1]);
     bent.nodes.iter_mut().for_each(|x| x[1] *= 1.0 + 5.0 * x[0] + 30.0 * x[2] + 100.0 * x[0] * x[2]);
