@@ -81,8 +81,11 @@ pub fn merge(mut cells: Vec<Cell>, expected: impl Fn(usize, usize) -> bool) -> R
     let warning = doubled.first().map(|&place| {
         let named: Vec<String> = doubled.iter().take(NAMED).map(name).collect();
         let more = if doubled.len() > NAMED { ", .." } else { "" };
-        let count = doubled.len();
-        (place, format!("{count} elements stand twice (the same nodes) and count once: {}{more}", named.join(", ")))
+        let what = match doubled.len() {
+            1 => "1 element stands twice (the same nodes) and counts once".to_owned(),
+            count => format!("{count} elements stand twice (the same nodes) and count once"),
+        };
+        (place, format!("{what}: {}{more}", named.join(", ")))
     });
     let mut place = vec![0; cells.len()];
     let mut next = 0;

@@ -29,7 +29,7 @@ fn an_element_that_stands_twice_counts_once_and_is_named() {
     let again = format!("{once}*ELEMENT, TYPE=C3D20\n{}\n*NSET, NSET=N, ELSET=BODY\n", line.replacen("4,", "999,", 1));
     let double = parse(&again).unwrap();
     let said: Vec<_> = double.warnings.iter().filter(|w| w.text.contains("twice")).collect();
-    assert!(said.len() == 1 && said[0].text.contains("1 elements stand twice"), "{said:?}");
+    assert!(said.len() == 1 && said[0].text.contains("1 element stands twice"), "{said:?}");
     assert!(said[0].text.contains("999 is 4 again"), "{said:?}");
     assert_eq!(double.mesh.cells.len(), single.mesh.cells.len());
     assert_eq!(figures(&double, "Walls"), figures(&single, "Walls"));
