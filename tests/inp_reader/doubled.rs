@@ -24,7 +24,8 @@ fn an_element_that_stands_twice_counts_once_and_is_named() {
     let single = parse(&once).unwrap();
     assert!(!single.warnings.iter().any(|w| w.text.contains("twice")), "control: {:?}", single.warnings);
     // Element 4, which has a wall, is written again as 999.
-    let start = once.find("\n4, ").unwrap() + 1;
+    let elements = once.find("*ELEMENT").unwrap();
+    let start = elements + once[elements..].find("\n4, ").unwrap() + 1;
     let line = &once[start..][..once[start..].find('\n').unwrap()];
     let again = format!("{once}*ELEMENT, TYPE=C3D20\n{}\n*NSET, NSET=N, ELSET=BODY\n", line.replacen("4,", "999,", 1));
     let double = parse(&again).unwrap();

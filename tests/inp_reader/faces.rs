@@ -148,7 +148,8 @@ fn names_that_agree_are_one_place_and_others_are_refused_with_both() {
     said(&of_nodes, "TOP", ["the node set (*NSET) of", "(*SURFACE, TYPE=NODE) of 3 nodes"]);
     let mixed = text.clone() + &other + "*ELSET, ELSET=WALLS\n1, 2, 3\n";
     said(&mixed, "WALLS", ["the solid elements of the element set", "the surface elements"]);
-    let solids = text.clone() + &other + &nset("END", &own) + "*ELSET, ELSET=END\nBODY\n";
+    let end: Vec<usize> = (0..mesh.nodes.len()).filter(|&n| mesh.nodes[n][2] == 0.0).collect();
+    let solids = text.clone() + &other + &nset("END", &end) + "*ELSET, ELSET=END\nBODY\n";
     said(&solids, "END", ["the node set (*NSET)", "the solid elements of the element set"]);
     // Abaqus/CAE writes the solids behind a set of nodes under the same name.
     let has = |cell: &stiffmap::mesh::Cell| marks.iter().any(|mark| mark.iter().all(|n| cell.nodes.contains(n)));

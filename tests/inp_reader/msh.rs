@@ -134,7 +134,7 @@ fn a_partitioned_mesh_keeps_its_groups() {
     let other = parse(&text.replace("2 2 0 1 7 0", "2 2 0 1 9 0")).unwrap();
     assert!(other.mesh.node_set("floor plate").is_none(), "control: another group");
     let message = parse(&text.replace("15 2 5 1 1 0", "15 2 5 9 1 0")).unwrap_err();
-    assert!(message.contains("part.msh:21: $PartitionedEntities"), "{message}");
+    assert!(message.contains("part.msh:20: $PartitionedEntities"), "{message}");
 }
 
 #[test]
