@@ -34,6 +34,12 @@ fn an_element_that_stands_twice_counts_once_and_is_named() {
     assert!(said[0].text.contains("999 is 4 again"), "{said:?}");
     assert_eq!(double.mesh.cells.len(), single.mesh.cells.len());
     assert_eq!(figures(&double, "Walls"), figures(&single, "Walls"));
+    // The same label again is the same element; sets that name it do not mind.
+    let same = format!("{once}*ELEMENT, TYPE=C3D20, ELSET=AGAIN\n{line}\n*SURFACE, NAME=S\nAGAIN, S1\n");
+    let same = parse(&same).unwrap();
+    assert!(same.warnings.iter().any(|w| w.text.contains("4 is 4 again")), "{:?}", same.warnings);
+    assert_eq!(figures(&same, "Walls"), figures(&single, "Walls"));
+    assert_eq!(same.mesh.surface("S").map(|faces| faces[0].cell), Some(3));
     // Without the file's faces too: those of a doubled element are outer faces.
     let mass = 7850.0 * 0.4 * (0.3 * 0.2 - 0.1 * 0.1);
     assert!((figures(&double, "N").0 / mass - 1.0).abs() < 1e-12);

@@ -30,6 +30,8 @@ fn parameters_are_judged_by_their_value() {
         let seen = deck(&step(parameters, frequency, "")).unwrap();
         assert_eq!((seen.frequency, seen.mesh.supports.len()), (plain.frequency, 6), "{parameters}{frequency}");
     }
+    let damped = step("", "", "").replace("*DENSITY", "*DAMPING, ALPHA=1.\n*DENSITY");
+    assert_eq!(deck(&damped).unwrap().frequency, plain.frequency);
     for (parameters, frequency, said) in [
         (", NLGEOM", "", "the parameter NLGEOM is not supported"),
         (", NLGEOM=YES", "", "NLGEOM=YES is not supported"),
@@ -79,6 +81,8 @@ fn parameters_of_the_mesh_are_judged_by_their_value_too() {
         ),
         ("*MATERIAL", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nNall, 20.\n*MATERIAL"),
         ("*MATERIAL", "*SURFACE SECTION, ELSET=EALL\n*MATERIAL"),
+        ("*MATERIAL", "*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*MATERIAL"),
+        ("MATERIAL=STEEL\n", "MATERIAL=STEEL, ORIENTATION=O\n"),
     ] {
         assert_eq!(format!("{:?}", accepted(&changed(from, to)).mesh), format!("{:?}", accepted(TET).mesh), "{to}");
     }
@@ -86,6 +90,7 @@ fn parameters_of_the_mesh_are_judged_by_their_value_too() {
         ("*ELASTIC", "*ELASTIC, DEPENDENCIES=1", "DEPENDENCIES=1"),
         ("*NODE, NSET=Nall", "*NODE, SYSTEM=S", "SYSTEM=S"),
         ("*MATERIAL", "*INITIAL CONDITIONS, TYPE=STRESS\nEALL, 1.\n*MATERIAL", "INITIAL CONDITIONS"),
+        ("*DENSITY", "*DAMPING, ALPHA=1.\n*DENSITY", "damping in the machine file"),
         ("*MATERIAL", "*CONTACT PAIR, INTERACTION=I\nA, B\n*MATERIAL", "contact"),
         ("*MATERIAL", "*SURFACE SECTION, ELSET=EALL, DENSITY=1.\n*MATERIAL", "DENSITY"),
     ] {

@@ -28,8 +28,7 @@ pub fn assemble(mut raw: Raw, source: &Source, units: MeshUnits, other_material:
     };
     let node_labels = Labels::new(raw.nodes.iter().map(|node| node.label))
         .map_err(|i| duplicate("node", raw.nodes[i].label, raw.nodes[i].line))?;
-    let cell_labels = Labels::new(raw.cells.iter().map(|cell| cell.label))
-        .map_err(|i| duplicate("element", raw.cells[i].label, raw.cells[i].line))?;
+    let cell_labels = cell_labels(&raw).map_err(|i| duplicate("element", raw.cells[i].label, raw.cells[i].line))?;
 
     let mut elements = resolve_cells(&raw, &node_labels, source)?;
     let mut resolver = Resolver::new(source, std::mem::take(&mut raw.warnings));
@@ -72,6 +71,21 @@ pub fn assemble(mut raw: Raw, source: &Source, units: MeshUnits, other_material:
         warning.line = if at.file == main { at.line } else { 0 };
     }
     Ok(MeshFile { mesh, warnings })
+}
+
+/// The elements' labels; one that is written again with the same nodes stands for the first.
+fn cell_labels(raw: &Raw) -> std::result::Result<Labels, usize> {
+    let mut ends = Vec::with_capacity(raw.cells.len());
+    let mut end = 0;
+    for cell in &raw.cells {
+        end += cell.kind.node_count();
+        ends.push(end);
+    }
+    let nodes = |i: usize| &raw.cell_nodes[ends[i] - raw.cells[i].kind.node_count()..ends[i]];
+    let twins = |first: usize, second: usize| {
+        raw.cells[first].kind.name() == raw.cells[second].kind.name() && nodes(first) == nodes(second)
+    };
+    Labels::with_twins(raw.cells.iter().map(|cell| cell.label), twins)
 }
 
 /// Where the elements of the file are among the cells of the mesh.

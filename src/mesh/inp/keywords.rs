@@ -24,6 +24,8 @@ const HARMLESS: &[&str] = &[
     "NODEFILE",
     "NODEOUTPUT",
     "NODEPRINT",
+    // Materials are isotropic: turned axes change nothing.
+    "ORIENTATION",
     "OUTPUT",
     "PHYSICALCONSTANTS",
     "PREPRINT",
@@ -81,7 +83,6 @@ fn advice(name: &str) -> &'static str {
             "write a flat input file, without parts and assembly"
         }
         "TRANSFORM" | "SYSTEM" => "write the nodes in global Cartesian coordinates",
-        "ORIENTATION" => "remove it; materials are isotropic",
         "MPC"
         | "EQUATION"
         | "TIE"

@@ -115,8 +115,10 @@ fn current_material(
 }
 
 pub fn read_solid_section(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    const ALLOWED: &str = "ELSET, MATERIAL";
-    check_parameters(keyword, "SOLID SECTION", &["ELSET", "MATERIAL"], &[], ALLOWED, lines)?;
+    const ALLOWED: &str = "ELSET, MATERIAL, ORIENTATION";
+    // Materials are isotropic: turned axes change nothing.
+    const NEUTRAL: [Neutral; 1] = [("ORIENTATION", &[])];
+    check_parameters(keyword, "SOLID SECTION", &["ELSET", "MATERIAL"], &NEUTRAL, ALLOWED, lines)?;
     let element_set = need_name(keyword, "SOLID SECTION", "ELSET", ALLOWED, lines)?.to_owned();
     let material = need_name(keyword, "SOLID SECTION", "MATERIAL", ALLOWED, lines)?.to_owned();
     raw.sections.push(RawSection { element_set, material, line: keyword.line });

@@ -53,6 +53,8 @@ pub fn collect(source: &Source, purpose: Purpose, how: Reading) -> Result<Raw> {
             "STEP" if purpose == Purpose::Deck && raw.frequency.is_none() => read_step(&keyword, &mut lines, &mut raw)?,
             "STEP" => skip_step(&keyword, purpose, &mut lines, &mut raw)?,
             "INITIALCONDITIONS" if is_temperature(&keyword) => say_passed_over(&keyword, "mesh", &mut lines, &mut raw),
+            // The modes of a deck are those without damping, as CalculiX and Abaqus compute them.
+            "DAMPING" if purpose == Purpose::Deck => say_passed_over(&keyword, "modes", &mut lines, &mut raw),
             _ => pass_over(&keyword, "mesh", &mut lines, &mut raw)?,
         }
     }
