@@ -138,7 +138,7 @@ fn a_deck_gives_its_frequency_step_and_every_other_first_step_is_refused() {
     for (text, fragments) in [
         (step("*STATIC"), ["tet.inp:21", "first step is *STATIC"]),
         (step("*NODE PRINT, NSET=FLOOR\nU"), ["tet.inp:20", "no *FREQUENCY"]),
-        (step("*FREQUENCY\n7\n*DLOAD\nE, P1, 1."), ["tet.inp:23", "*DLOAD"]),
+        (step("*FREQUENCY\n7\n*TEMPERATURE\nFLOOR, 1."), ["tet.inp:23", "*TEMPERATURE"]),
         (step("*FREQUENCY\n0"), ["tet.inp:22", "number of modes"]),
         (step("*FREQUENCY\n5, 3., 2."), ["tet.inp:22", "number of modes"]),
         (step("*FREQUENCY, CYCMPC=ACTIVE\n5"), ["tet.inp:21", "CYCMPC"]),

@@ -45,6 +45,18 @@ fn parameters_are_judged_by_their_value() {
     }
 }
 
+/// CalculiX 2.20 on a clamped bar: loads of a frequency step leave 418.5537 Hz as it is, but in a step with
+/// PERTURBATION a pressure makes it 315.7577 Hz.
+#[test]
+fn loads_of_a_frequency_step_matter_only_in_a_perturbation() {
+    for load in ["*CLOAD\n8, 1, 1.\n", "*DLOAD\nEALL, P1, 100.\n"] {
+        let seen = deck(&step("", "", load)).unwrap();
+        assert!(seen.warnings.iter().any(|w| w.text.contains("does not change the modes")), "{:?}", seen.warnings);
+        let message = deck(&step(", PERTURBATION", "", load)).unwrap_err();
+        assert!(message.contains("PERTURBATION") && message.contains("tet.inp:31"), "{message}");
+    }
+}
+
 #[test]
 fn boundaries_of_a_step_replace_or_add() {
     let held = |inside: &str| deck(&step("", "", inside)).map(|deck| deck.mesh.supports);

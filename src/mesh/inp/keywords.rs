@@ -98,6 +98,9 @@ fn advice(name: &str) -> &'static str {
             "mesh the body with solid elements"
         }
         "CONTACTPAIR" | "GAP" => "contact is not linear; tie by joints in the machine file",
+        "CLOAD" | "DLOAD" => {
+            "remove it: CalculiX adds the stress of loads to the stiffness in a step with PERTURBATION, Abaqus does not"
+        }
         "INITIALCONDITIONS" => "remove it; the model is linear and at rest",
         "SPRING" | "DASHPOT" => "write it as a spring-damper joint in the machine file",
         "MASS" | "ROTARYINERTIA" | "NONSTRUCTURALMASS" => "mesh the mass as a body",

@@ -1,6 +1,6 @@
 //! Displacements held, and the frequency step of a deck.
 
-use super::keywords::pass_over;
+use super::keywords::{pass_over, say_passed_over};
 use super::lines::{Keyword, Lines, bad_value, fields, number};
 use super::parameters::{Neutral, check_parameters};
 use super::raw::{FrequencyStep, Raw, RawBoundary};
@@ -126,6 +126,8 @@ pub fn read_step(step: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Re
                     ),
                 });
             }
+            // CalculiX adds the stress of a step's own loads to the stiffness if the step is a perturbation, else not.
+            "CLOAD" | "DLOAD" if step.get("PERTURBATION").is_none() => say_passed_over(&keyword, "modes", lines, raw),
             _ => pass_over(&keyword, "modes", lines, raw)?,
         }
     }
