@@ -151,6 +151,8 @@ pub struct Mesh {
     pub face_sets: BTreeMap<String, Vec<FaceElement>>,
     /// Where several things of the file have one name: those of them that are not made of faces.
     pub namesakes: BTreeMap<String, Vec<Namesake>>,
+    /// Names that the file gives to something that is passed over, and why: for the message if one is used.
+    pub passed_over: BTreeMap<String, String>,
     /// Single displacements that the file itself holds, one entry a node.
     pub supports: BTreeMap<usize, [bool; 3]>,
     /// Materials of the file.

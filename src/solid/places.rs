@@ -5,7 +5,7 @@
 
 use super::{SolidError, Surface};
 use crate::machine::{Part, nearest};
-use crate::mesh::{Mesh, spelling};
+use crate::mesh::{Mesh, loosely_equal, spelling};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -91,7 +91,7 @@ fn find<'m>(part: &Part, mesh: &'m Mesh, name: &str, user: &str) -> Result<Place
             user: user.to_string(),
             set: name.to_string(),
             mesh: part.mesh.display().to_string(),
-            known: known(&names, name),
+            known: known(&names, mesh, name),
         });
     };
     let listed = mesh.surfaces.get(name).map(|faces| Surface::of_cell_faces(mesh, faces));
@@ -133,11 +133,15 @@ fn no_face(part: &Part, name: &str, user: &str, element: u64) -> SolidError {
     SolidError::NoFace { part: part.name.clone(), user: user.to_string(), name: name.to_string(), element }
 }
 
-/// The names of a mesh, for a message; and the one that was probably meant.
-fn known(names: &BTreeSet<&str>, name: &str) -> String {
-    if names.is_empty() {
-        return "no set at all; name node sets or surfaces (in Gmsh physical groups) in the mesh".into();
+/// The names of a mesh, for a message; why the one that is looked for is not among them, or which was probably meant.
+fn known(names: &BTreeSet<&str>, mesh: &Mesh, name: &str) -> String {
+    let all = match names.is_empty() {
+        true => "no set at all; name node sets or surfaces (in Gmsh physical groups) in the mesh".to_owned(),
+        false => names.iter().copied().collect::<Vec<_>>().join(", "),
+    };
+    if let Some((_, why)) = mesh.passed_over.iter().find(|(other, _)| loosely_equal(other, name)) {
+        return format!("{all}; {why}");
     }
     let meant = nearest(name, names.iter().copied()).map_or_else(String::new, |n| format!("; did you mean \"{n}\"?"));
-    names.iter().copied().collect::<Vec<_>>().join(", ") + &meant
+    all + &meant
 }

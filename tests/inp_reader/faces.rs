@@ -184,4 +184,11 @@ fn a_mesh_without_names_says_what_to_do() {
     let text = msh(&bar(CellKind::Hex8), &[], "body", false).replace(" 2 8 6", " 2 0 6");
     let message = area(&read_msh(&text).mesh, "Walls").unwrap_err();
     assert!(message.contains("it has no set at all") && message.contains("physical groups"), "{message}");
+    // A surface that is passed over is told as that.
+    let text = inp(&bar(CellKind::Hex8), &[], named(TYPES[0])) + "*SURFACE, NAME=\"Tip face\"\nBODY, SPOS\n";
+    let message = area(&read_inp(&text), "tip face").unwrap_err();
+    assert!(
+        message.contains("is passed over") && message.contains("SPOS") && message.contains("tet.inp:"),
+        "{message}"
+    );
 }

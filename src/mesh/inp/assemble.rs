@@ -46,7 +46,8 @@ pub fn assemble(mut raw: Raw, source: &Source, units: MeshUnits, other_material:
     let (mut cells, places) = solids(&raw, &elements, source, &mut warnings)?;
     let surfaces = surfaces(&raw, &cells, &places, &cell_labels, &sets.element_sets, source)?;
     let kept = drop_unused_nodes(&raw, &mut cells, &mut warnings);
-    let mut mesh = Mesh { cells, materials, ..Mesh::default() };
+    let passed_over = std::mem::take(&mut raw.passed_over).into_iter().collect();
+    let mut mesh = Mesh { cells, materials, passed_over, ..Mesh::default() };
     for (node, new) in raw.nodes.iter().zip(&kept) {
         if new.is_some() {
             mesh.nodes.push(node.at.map(|x| x * units.length));

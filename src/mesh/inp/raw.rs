@@ -16,6 +16,8 @@ pub struct Raw {
     pub materials: Vec<RawMaterial>,
     pub sections: Vec<RawSection>,
     pub surfaces: Vec<RawSurface>,
+    /// Names of surfaces that are passed over, and why.
+    pub passed_over: Vec<(String, String)>,
     pub boundaries: Vec<RawBoundary>,
     /// Whether the first step has let go what was held before it.
     pub let_go: bool,

@@ -43,10 +43,10 @@ pub fn read_surface(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw)
             raw.node_surfaces.extend(sets);
         }
         Some(seen) => {
-            let text = format!(
-                "the surface {:?} is passed over: {seen} is not supported, element faces S1 to S6 are",
-                unquoted(&name)
-            );
+            let name = unquoted(&name).to_owned();
+            let reason = format!("{seen} is not supported, element faces S1 to S6 are");
+            let text = format!("the surface {name:?} is passed over: {reason}");
+            raw.passed_over.push((name, format!("{}: {text}", lines.spot(keyword.line))));
             raw.warnings.push(Warning { line: keyword.line, text });
         }
     }
