@@ -20,7 +20,8 @@ pub fn read_nodes(section: &'static str, lines: &mut Lines<'_>, raw: &mut Raw) -
             return Err(lines.refuse(section, line, "a label from 1 on and three finite coordinates"));
         };
         // Behind the coordinates dimension and number of the entity, and up to three parameters.
-        if if parametric { !(2..=5).contains(&rest.len()) } else { !rest.is_empty() } {
+        let fits = if parametric { (2..=5).contains(&rest.len()) } else { rest.is_empty() };
+        if !fits {
             let allowed = if parametric { "dimension, entity and parameters" } else { "nothing" };
             return Err(lines.refuse(section, line, &format!("{allowed} behind the three coordinates")));
         }
