@@ -27,7 +27,7 @@ fn read_interface(name: &str, item: &Item<'_>, by_matrices: bool) -> Result<(Int
         nodes_item.text()?.to_owned()
     };
     if nodes.trim().is_empty() {
-        return Err(nodes_item.refuse("the name of a node set of the mesh", "name one"));
+        return Err(nodes_item.refuse("the name of a node set or surface of the mesh", "name one"));
     }
     if by_matrices && let Some(item) = table.get("weights") {
         chosen.weights = read_weights(&item)?;

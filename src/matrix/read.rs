@@ -6,7 +6,7 @@ use super::source::{Raw, bytes, read_dofs, read_matrix};
 use super::{MatrixError, abaqus};
 use crate::linalg::SparseSymmetric;
 use crate::machine::{InterfaceNodes, InterfaceWeights, MatrixFiles, MeshUnits, Part};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 /// Nodes of a part, in SI, with their sets.
@@ -18,6 +18,10 @@ pub struct Geometry {
     pub labels: Vec<u64>,
     /// Node sets: indices into `nodes`, ascending.
     pub sets: BTreeMap<String, Vec<usize>>,
+    /// Names of surfaces whose faces the mesh gives.
+    pub faces: BTreeSet<String>,
+    /// Sets that both the mesh and the table `sets` have, with different nodes: those of the mesh, of the table.
+    pub clashes: BTreeMap<String, [Vec<usize>; 2]>,
 }
 
 /// How an interface's nodes make its motion.
@@ -69,6 +73,7 @@ pub struct MatrixPart {
 /// [`MatrixError`] for what cannot be read, is missing, not symmetric, or does not fit together.
 pub fn read_part_matrices(part: &Part, files: &MatrixFiles, mesh: Option<Geometry>) -> Result<MatrixPart, MatrixError> {
     let mut warnings = Vec::new();
+    two_matrices(files)?;
     let stiffness = read_matrix(&files.stiffness, files.stiffness_name.as_deref(), "stiffness", &mut warnings)?;
     let mass = read_matrix(&files.mass, files.mass_name.as_deref(), "mass", &mut warnings)?;
     let table = files.dofs.as_deref().map(read_dofs).transpose()?;
@@ -106,8 +111,12 @@ pub fn read_part_matrices(part: &Part, files: &MatrixFiles, mesh: Option<Geometr
                 .copied()
                 .ok_or_else(|| misfit(format!("set {name} names node {label}, which has no coordinates")))
         });
-        let nodes = nodes.by_ref().collect::<Result<Vec<_>, _>>()?;
-        geometry.sets.insert(name.clone(), sorted(nodes));
+        let nodes = sorted(nodes.by_ref().collect::<Result<Vec<_>, _>>()?);
+        let of_mesh = geometry.sets.iter().find(|(other, _)| other.eq_ignore_ascii_case(name));
+        if let Some((_, other)) = of_mesh.filter(|(_, other)| **other != nodes) {
+            geometry.clashes.insert(name.clone(), [other.clone(), nodes.clone()]);
+        }
+        geometry.sets.insert(name.clone(), nodes);
     }
     let chosen = part.interfaces.iter().zip(&files.interfaces).map(|(interface, nodes)| {
         let refused = |reason: String| MatrixError::Interface {
@@ -140,6 +149,22 @@ pub fn read_part_matrices(part: &Part, files: &MatrixFiles, mesh: Option<Geometr
         free: files.free,
     };
     Ok(MatrixPart { geometry, matrices, warnings })
+}
+
+/// Refuses one matrix for stiffness and mass: the same file and name, in a file that holds one matrix a name.
+fn two_matrices(files: &MatrixFiles) -> Result<(), MatrixError> {
+    let full = files.stiffness.extension().is_some_and(|e| e.eq_ignore_ascii_case("full"));
+    let name = |name: &Option<String>| name.as_deref().map(str::to_ascii_lowercase);
+    if files.stiffness == files.mass && !full && name(&files.stiffness_name) == name(&files.mass_name) {
+        let found = files.stiffness_name.as_ref().map_or_else(|| "one matrix".into(), |n| format!("the matrix {n}"));
+        return Err(MatrixError::Missing {
+            file: files.stiffness.clone(),
+            what: "second matrix is named".into(),
+            found: format!("{found} for both stiffness and mass"),
+            advice: "name another file, or another matrix by stiffness_name and mass_name",
+        });
+    }
+    Ok(())
 }
 
 /// Both matrices in one numbering, with its labels and the directions that the files fix.
@@ -235,7 +260,7 @@ fn one_numbering(
 
 fn of_places(places: &BTreeMap<u64, [f64; 3]>, units: MeshUnits) -> Geometry {
     let nodes = places.values().map(|x| x.map(|c| c * units.length)).collect();
-    Geometry { nodes, labels: places.keys().copied().collect(), sets: BTreeMap::new() }
+    Geometry { nodes, labels: places.keys().copied().collect(), ..Geometry::default() }
 }
 
 fn sorted(mut nodes: Vec<usize>) -> Vec<usize> {
@@ -256,6 +281,12 @@ fn choose(
     let find = |label: &u64| index.get(label).copied().ok_or_else(|| format!("node {label} has no coordinates"));
     let table = sets.iter().find(|(set, _)| set.eq_ignore_ascii_case(name)).map(|(_, set)| set);
     let mesh_set = geometry.sets.iter().find(|(set, _)| set.eq_ignore_ascii_case(name)).map(|(_, nodes)| nodes);
+    // A surface whose faces the mesh gives is weighed by them, be it also a node set or not.
+    let faces = geometry.faces.iter().any(|surface| surface.eq_ignore_ascii_case(name));
+    let by_area = matches!(asked.weights, InterfaceWeights::Unsaid | InterfaceWeights::Area);
+    if faces && by_area && asked.labels.is_none() && table.is_none() {
+        return Ok(GivenNodes::Faces);
+    }
     let (nodes, weights): (Vec<usize>, Option<Vec<f64>>) = match (&asked.labels, table, mesh_set) {
         (Some(labels), ..) => (labels.iter().map(find).collect::<Result<_, _>>()?, None),
         (None, Some(set), _) => {
@@ -264,7 +295,8 @@ fn choose(
         }
         (None, None, Some(nodes)) => (nodes.clone(), None),
         (None, None, None) => {
-            let known: Vec<&str> = sets.keys().chain(geometry.sets.keys()).map(String::as_str).collect();
+            let known: BTreeSet<&String> = sets.keys().chain(geometry.sets.keys()).chain(&geometry.faces).collect();
+            let known: Vec<&str> = known.into_iter().map(String::as_str).collect();
             let known = if known.is_empty() { "none".into() } else { known.join(", ") };
             return Err(format!(
                 "no node set \"{name}\"; there are {known}; give a table set,node[,weight] as `sets`, or node labels"

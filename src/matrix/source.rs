@@ -63,6 +63,16 @@ pub(super) fn read_matrix(
                 if all.is_empty() { "none".into() } else { all.join(", ") }
             };
             let wanted = name.map_or_else(|| format!("single {what} matrix"), |n| format!("real square matrix {n}"));
+            let same: Vec<String> = matrices
+                .iter()
+                .filter(|m| name.is_some_and(|name| m.name.eq_ignore_ascii_case(name)))
+                .map(|m| format!("{} of order {}", m.name, m.matrix.n))
+                .collect();
+            if same.len() > 1 {
+                let wanted = format!("single matrix {}", name.unwrap_or_default());
+                let advice = "write each matrix once, or under different names";
+                return Err(missing(wanted, same.join(", "), advice));
+            }
             let at = match name {
                 Some(name) => matrices.iter().position(|m| m.name.eq_ignore_ascii_case(name)),
                 None => (matrices.len() == 1).then_some(0),

@@ -43,6 +43,11 @@ impl<'a> Lines<'a> {
         Ok(Some(line.trim_end_matches('\r')))
     }
 
+    /// The next line as [`Self::next_raw`] will give it, without its end; `None` at the end of the file.
+    pub fn peek_raw(&self) -> Option<&'a [u8]> {
+        (!self.rest.is_empty()).then(|| self.rest.split(|&b| b == b'\n').next().unwrap_or_default())
+    }
+
     /// Refuses what stands on the line given last.
     pub fn refuse(&self, seen: impl Into<String>, allowed: impl Into<String>) -> MatrixError {
         MatrixError::Content {

@@ -82,6 +82,16 @@ pub enum MeshError {
         /// What is allowed.
         allowed: String,
     },
+    /// A file whose name says another format than its text.
+    #[error("{spot}: found {seen}; allowed: an Abaqus or CalculiX input file; rename the file to end in .{extension}")]
+    OtherFormat {
+        /// Where.
+        spot: Spot,
+        /// What it is.
+        seen: &'static str,
+        /// The extension of that format.
+        extension: &'static str,
+    },
     /// A data line that belongs to no keyword.
     #[error(
         "{spot}: found {seen:?} where a keyword is expected; allowed: a line that begins with *; remove the line or add its keyword"
@@ -163,6 +173,32 @@ pub enum MeshError {
         element: u64,
         /// The material it has.
         first: String,
+    },
+    /// Two elements in one place that cannot count as one.
+    #[error(
+        "{spot}: element {second} has the corners of element {first}, but other {difference}; allowed: each place filled once; remove one of the two"
+    )]
+    Coincident {
+        /// Where the second stands.
+        spot: Spot,
+        /// Label of the first.
+        first: u64,
+        /// Label of the second.
+        second: u64,
+        /// What they differ in.
+        difference: &'static str,
+    },
+    /// Two names of one kind that programs read as one or as two.
+    #[error(
+        "{spot}: the name {second} differs from {first} in quotes, or in case or blanks within quotes, alone; Abaqus reads two names there and others read one; rename one of them"
+    )]
+    AlmostEqualNames {
+        /// Where the second stands.
+        spot: Spot,
+        /// The first, as the file writes it.
+        first: String,
+        /// The second, as the file writes it.
+        second: String,
     },
     /// More set members than any mesh needs.
     #[error("{spot}: the sets up to here have more than {limit} members; remove sets that are not needed")]

@@ -1,7 +1,8 @@
 //! Abaqus/CalculiX `.inp`: nodes, solid elements, sets, surfaces, isotropic materials, solid sections,
 //! held displacements, included files.
 //!
-//! Keywords and set names are read without regard to case, data in free format. What would not change
+//! Keywords and names are read without regard to case and blanks, data in free format. Names may stand in double
+//! quotes, in keyword and data lines. What would not change
 //! the mesh (output requests, later steps) is passed over with a warning; everything else that is not
 //! understood is refused with its line.
 //!
@@ -12,6 +13,8 @@ mod assemble;
 mod keywords;
 mod lines;
 mod materials;
+mod parameters;
+mod places;
 mod properties;
 mod raw;
 mod sections;
@@ -29,6 +32,15 @@ use crate::machine::MeshUnits;
 use sections::Purpose;
 use source::Source;
 use std::path::Path;
+
+/// How a file is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reading {
+    /// C3D8 stays the plain brick.
+    pub plain_bricks: bool,
+    /// The part is made of something that the file does not say: its materials are passed over.
+    pub other_material: bool,
+}
 
 /// The mesh of an Abaqus/CalculiX input file; its warnings go to the log.
 ///
@@ -53,8 +65,15 @@ pub fn read_inp(path: &Path, units: MeshUnits) -> Result<Mesh, MeshError> {
 /// # Errors
 /// As [`read_inp`].
 pub fn read_inp_file(path: &Path, units: MeshUnits, plain_bricks: bool) -> Result<MeshFile, MeshError> {
-    let source = Source::new(&read(path)?, path)?;
-    assemble::assemble(sections::collect(&source, Purpose::Part, plain_bricks)?, &source, units)
+    read_inp_as(path, units, Reading { plain_bricks, other_material: false })
+}
+
+/// The mesh of an Abaqus/CalculiX input file and its warnings.
+///
+/// # Errors
+/// As [`read_inp`].
+pub fn read_inp_as(path: &Path, units: MeshUnits, how: Reading) -> Result<MeshFile, MeshError> {
+    parse(&read(path)?, path, units, how)
 }
 
 /// The mesh of the bytes of an input file; `file` serves the messages, and its folder what is included.
@@ -62,8 +81,12 @@ pub fn read_inp_file(path: &Path, units: MeshUnits, plain_bricks: bool) -> Resul
 /// # Errors
 /// As [`read_inp`].
 pub fn parse_inp(bytes: &[u8], file: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
+    parse(bytes, file, units, Reading::default())
+}
+
+fn parse(bytes: &[u8], file: &Path, units: MeshUnits, how: Reading) -> Result<MeshFile, MeshError> {
     let source = Source::new(bytes, file)?;
-    assemble::assemble(sections::collect(&source, Purpose::Part, false)?, &source, units)
+    assemble::assemble(sections::collect(&source, Purpose::Part, how)?, &source, units, how.other_material)
 }
 
 /// A deck: a mesh and what its frequency step asks for, in the deck's own units.
@@ -92,14 +115,14 @@ pub fn read_deck(path: &Path, plain_bricks: bool, modes: Option<usize>) -> Resul
 /// As [`read_deck`].
 pub fn parse_deck(bytes: &[u8], file: &Path, plain_bricks: bool, modes: Option<usize>) -> Result<Deck, MeshError> {
     let source = Source::new(bytes, file)?;
-    let raw = sections::collect(&source, Purpose::Deck, plain_bricks)?;
+    let raw = sections::collect(&source, Purpose::Deck, Reading { plain_bricks, other_material: false })?;
     let whole = |modes| FrequencyStep { modes, from: f64::NEG_INFINITY, to: f64::INFINITY };
     let mut frequency = raw.frequency.or(modes.map(whole)).ok_or_else(|| MeshError::Deck {
         spot: source.spot(1),
         reason: "the deck has no *STEP; allowed: a first step of *FREQUENCY; add it, or give --modes".into(),
     })?;
     frequency.modes = modes.unwrap_or(frequency.modes);
-    let MeshFile { mesh, warnings } = assemble::assemble(raw, &source, MeshUnits::METRE_KILOGRAM_SECOND)?;
+    let MeshFile { mesh, warnings } = assemble::assemble(raw, &source, MeshUnits::METRE_KILOGRAM_SECOND, false)?;
     Ok(Deck { mesh, frequency, warnings })
 }
 

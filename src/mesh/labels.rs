@@ -22,13 +22,27 @@ impl Labels {
     /// # Errors
     /// The index of the first label that was there before.
     pub fn new(labels: impl ExactSizeIterator<Item = u64> + Clone) -> Result<Self, usize> {
+        Self::with_twins(labels, |_, _| false)
+    }
+
+    /// Indexes labels in their order; one that is there already stands for the first where `twins(first, second)`.
+    ///
+    /// # Errors
+    /// The index of the first label that was there before and is no twin.
+    pub fn with_twins(
+        labels: impl ExactSizeIterator<Item = u64> + Clone,
+        twins: impl Fn(usize, usize) -> bool,
+    ) -> Result<Self, usize> {
         let count = labels.len();
         assert!(count < ABSENT as usize, "{count} labels, at most {ABSENT}");
         let largest = labels.clone().max().unwrap_or(0);
         if largest <= 8 * count as u64 + 1024 {
             let mut table = vec![ABSENT; largest as usize + 1];
             for (index, label) in labels.enumerate() {
-                if std::mem::replace(&mut table[label as usize], index as u32) != ABSENT {
+                let slot = &mut table[label as usize];
+                if *slot == ABSENT {
+                    *slot = index as u32;
+                } else if !twins(*slot as usize, index) {
                     return Err(index);
                 }
             }
@@ -36,7 +50,8 @@ impl Labels {
         }
         let mut map = HashMap::with_capacity(count);
         for (index, label) in labels.enumerate() {
-            if map.insert(label, index as u32).is_some() {
+            let first = *map.entry(label).or_insert(index as u32) as usize;
+            if first != index && !twins(first, index) {
                 return Err(index);
             }
         }

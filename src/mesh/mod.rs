@@ -4,17 +4,21 @@
 //! `.msh` by [`msh`].
 
 mod cell;
+mod doubled;
 mod error;
 pub mod inp;
 mod labels;
 pub mod msh;
+mod named;
 
 pub use cell::{Cell, CellFace, CellKind};
 pub use error::{MeshError, Spot};
 pub use inp::{included_files, read_inp};
+pub use named::{FaceElement, Namesake, loosely_equal, spelling};
 
 use crate::machine::{Material, MeshUnits, Part, Placement, nearest};
 use crate::matrix::{Geometry, GivenMatrices, MatrixPart, read_part_matrices};
+use inp::Reading;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -42,14 +46,14 @@ pub struct Warning {
 /// [`MeshError::UnknownFormat`] for an extension that no reader knows, otherwise as [`inp::read_inp`] and
 /// [`msh::read_msh_file`].
 pub fn read_mesh_file(path: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
-    read_format(path, units, false)
+    read_format(path, units, Reading::default())
 }
 
-fn read_format(path: &Path, units: MeshUnits, plain_bricks: bool) -> Result<MeshFile, MeshError> {
+fn read_format(path: &Path, units: MeshUnits, how: Reading) -> Result<MeshFile, MeshError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
-        "inp" => inp::read_inp_file(path, units, plain_bricks),
-        "msh" => msh::read_msh_file(path, units, plain_bricks),
+        "inp" => inp::read_inp_as(path, units, how),
+        "msh" => msh::read_msh_file(path, units, how.plain_bricks),
         _ => Err(MeshError::UnknownFormat { file: path.to_path_buf(), extension }),
     }
 }
@@ -63,7 +67,9 @@ fn read_format(path: &Path, units: MeshUnits, plain_bricks: bool) -> Result<Mesh
 pub fn read_part_mesh(part: &Part) -> Result<MeshFile, MeshError> {
     let with_mesh = part.matrices.as_ref().is_none_or(|files| files.with_mesh);
     let mut file = if with_mesh {
-        read_format(&part.mesh, part.mesh_units, part.plain_bricks)?
+        // Materials of the file do not matter where the machine file or matrices say what the part is made of.
+        let other_material = part.material.is_some() || part.matrices.is_some();
+        read_format(&part.mesh, part.mesh_units, Reading { plain_bricks: part.plain_bricks, other_material })?
     } else {
         MeshFile { mesh: Mesh::default(), warnings: Vec::new() }
     };
@@ -77,9 +83,16 @@ pub fn read_part_mesh(part: &Part) -> Result<MeshFile, MeshError> {
             nodes: std::mem::take(&mut mesh.nodes),
             labels: std::mem::take(&mut mesh.node_labels),
             sets: std::mem::take(&mut mesh.node_sets),
+            faces: mesh.surfaces.keys().chain(mesh.face_sets.keys()).cloned().collect(),
+            clashes: BTreeMap::new(),
         });
         let MatrixPart { geometry, matrices, warnings } = read_part_matrices(part, files, geometry)?;
         (mesh.nodes, mesh.node_labels, mesh.node_sets) = (geometry.nodes, geometry.labels, geometry.sets);
+        for (name, nodes) in geometry.clashes {
+            let what = ["the set of the mesh".to_owned(), "the set of the table `sets`".to_owned()];
+            let both = what.into_iter().zip(nodes).map(|(what, nodes)| Namesake { what, nodes });
+            mesh.namesakes.insert(name, both.collect());
+        }
         mesh.matrices = Some(Box::new(matrices));
         file.warnings.extend(warnings.into_iter().map(|text| Warning { line: 0, text }));
     }
@@ -134,6 +147,12 @@ pub struct Mesh {
     pub element_sets: BTreeMap<String, Vec<usize>>,
     /// Surfaces given by element faces.
     pub surfaces: BTreeMap<String, Vec<CellFace>>,
+    /// Surfaces given by two-dimensional elements: physical surfaces of Gmsh, element sets of shells and the like.
+    pub face_sets: BTreeMap<String, Vec<FaceElement>>,
+    /// Where several things of the file have one name: those of them that are not made of faces.
+    pub namesakes: BTreeMap<String, Vec<Namesake>>,
+    /// Names that the file gives to something that is passed over, and why: for the message if one is used.
+    pub passed_over: BTreeMap<String, String>,
     /// Single displacements that the file itself holds, one entry a node.
     pub supports: BTreeMap<usize, [bool; 3]>,
     /// Materials of the file.
@@ -143,17 +162,17 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// The nodes of a set, as indices into [`Mesh::nodes`]; the name's case does not matter.
+    /// The nodes of a set, as indices into [`Mesh::nodes`]; case and blanks of the name do not matter.
     pub fn node_set(&self, name: &str) -> Option<&[usize]> {
         find_set(&self.node_sets, name)
     }
 
-    /// The faces of a surface; the name's case does not matter.
+    /// The faces of a surface; case and blanks of the name do not matter.
     pub fn surface(&self, name: &str) -> Option<&[CellFace]> {
         find_set(&self.surfaces, name)
     }
 
-    /// The cells of a set, as indices into [`Mesh::cells`]; the name's case does not matter.
+    /// The cells of a set, as indices into [`Mesh::cells`]; case and blanks of the name do not matter.
     pub fn element_set(&self, name: &str) -> Option<&[usize]> {
         find_set(&self.element_sets, name)
     }
@@ -165,6 +184,6 @@ impl Mesh {
 }
 
 fn find_set<'a, T>(sets: &'a BTreeMap<String, Vec<T>>, name: &str) -> Option<&'a [T]> {
-    let exact = sets.get(name);
-    exact.or_else(|| sets.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, set)| set)).map(Vec::as_slice)
+    let known = spelling(sets.keys().map(String::as_str), name).ok()??;
+    sets.get(known).map(Vec::as_slice)
 }

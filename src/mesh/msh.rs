@@ -1,9 +1,9 @@
 //! Gmsh `.msh`, versions 2.2 and 4.1, as text.
 //!
-//! Physical groups become sets: of volumes an element set and a node set, of surfaces, curves and points a
-//! node set. A group without a name is called after its dimension and number, such as
-//! `PhysicalSurface7`. Lines and surfaces serve the sets alone. The file has no materials; the machine
-//! file gives them. What is not understood is refused with its line.
+//! Physical groups become sets: of surfaces the faces that their triangles and quadrilaterals mark, of volumes an
+//! element set; of each a node set. A group without a name is called after its dimension and number, such as
+//! `PhysicalSurface7`. The file has no materials; the machine file gives them. What is not understood is
+//! refused with its line.
 //!
 //! # Source
 //! C. Geuzaine, J.-F. Remacle, Gmsh reference manual, chapter "Gmsh file formats".
@@ -44,9 +44,11 @@ pub fn parse_msh(bytes: &[u8], file: &Path, units: MeshUnits, plain_bricks: bool
         match section {
             "PhysicalNames" => groups::read_names(&mut lines, &mut raw)?,
             "Entities" if four => version_4::read_entities(&mut lines, &mut raw)?,
+            "PartitionedEntities" if four => version_4::read_partitioned_entities(&mut lines, &mut raw)?,
             "Nodes" if four => version_4::read_nodes(&mut lines, &mut raw)?,
             "Elements" if four => version_4::read_elements(&mut lines, &mut raw)?,
-            "Nodes" => version_2::read_nodes(&mut lines, &mut raw)?,
+            "Nodes" => version_2::read_nodes("Nodes", &mut lines, &mut raw)?,
+            "ParametricNodes" => version_2::read_nodes("ParametricNodes", &mut lines, &mut raw)?,
             "Elements" => version_2::read_elements(&mut lines, &mut raw)?,
             other => lines.skip_section(other)?,
         }

@@ -111,7 +111,7 @@ impl SecondOrder {
 ///
 /// # Errors
 /// [`SolidError`] for inverted elements, missing materials, unknown sets, surfaces without a face,
-/// meshes in pieces, clamps on a line, overlapping rigid surfaces; given matrices that are indefinite, in
+/// meshes in pieces, reduced elements that can move without stiffness, clamps on a line, overlapping rigid surfaces; given matrices that are indefinite, in
 /// pieces, held in part, or without the rows that an interface reads.
 pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
     if let Some(given) = &mesh.matrices {
@@ -136,6 +136,7 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
             })
         })
         .collect::<Result<_, _>>()?;
+    super::hourglass::check(part, mesh, &numbering.nodes, &elements)?;
 
     let pattern = pattern(mesh, &numbering.nodes, numbering.n_dof);
     let (mut stiffness, mut mass) = (SparseBuilder::new(&pattern), SparseBuilder::new(&pattern));

@@ -1,7 +1,8 @@
 //! Which displacements of which nodes are held to ground.
 
 use super::SolidError;
-use super::numbering::{find_set, rigid_rows};
+use super::numbering::rigid_rows;
+use super::places::nodes_of;
 use crate::machine::Part;
 use crate::mesh::Mesh;
 use nalgebra::{DMatrix, Matrix6, SymmetricEigen, Vector3};
@@ -54,18 +55,18 @@ impl Held {
 /// What the machine file and the mesh file hold of a part.
 ///
 /// # Errors
-/// [`SolidError::UnknownSet`]; [`SolidError::EmptySupport`]; [`SolidError::ClampOnLine`] where clamped nodes
+/// [`SolidError::UnknownSet`], [`SolidError::TwoPlaces`], [`SolidError::NoFace`]; [`SolidError::EmptySupport`]; [`SolidError::ClampOnLine`] where clamped nodes
 /// are all there is and they lie on one line.
 pub(super) fn held(part: &Part, mesh: &Mesh) -> Result<Held, SolidError> {
     let mut held = Held::default();
     for set in &part.clamped {
-        for &node in find_set(part, mesh, set, "clamped")? {
+        for &node in nodes_of(part, mesh, set, "clamped")?.iter() {
             held.add(node, [true; 3]);
         }
     }
     let clamped: Vec<Vector3<f64>> = held.0.keys().map(|&n| Vector3::from(mesh.nodes[n])).collect();
     for support in &part.supported {
-        let nodes = find_set(part, mesh, &support.nodes, "supported")?;
+        let nodes = nodes_of(part, mesh, &support.nodes, "supported")?;
         if nodes.is_empty() {
             return Err(SolidError::EmptySupport { part: part.name.clone(), set: support.nodes.clone() });
         }

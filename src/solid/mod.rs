@@ -5,8 +5,10 @@ mod assembly;
 mod definite;
 mod given;
 mod held;
+mod hourglass;
 mod interface;
 mod numbering;
+mod places;
 mod surface;
 
 pub use assembly::{SecondOrder, assemble};
@@ -54,6 +56,36 @@ pub enum SolidError {
         /// The sets there are.
         known: String,
     },
+    /// A name stands for different places of the mesh.
+    #[error(
+        "part \"{part}\", {user}: the name \"{name}\" stands for different places in {mesh}: {places}; rename all but the one that is meant"
+    )]
+    TwoPlaces {
+        /// Part.
+        part: String,
+        /// What names the place.
+        user: String,
+        /// The name.
+        name: String,
+        /// Mesh file.
+        mesh: String,
+        /// What stands under the name.
+        places: String,
+    },
+    /// A two-dimensional element that marks no face.
+    #[error(
+        "part \"{part}\", {user}: element {element} of \"{name}\" is no face of a solid element; allowed: triangles and quadrilaterals whose corners are those of a face; mesh surface and body together, or take the element out of \"{name}\""
+    )]
+    NoFace {
+        /// Part.
+        part: String,
+        /// What names the place.
+        user: String,
+        /// The name.
+        name: String,
+        /// Label of the element.
+        element: u64,
+    },
     /// A node set does not cover a single element face, or its region leaves nothing of it.
     #[error("part \"{part}\", interface \"{interface}\": {reason}")]
     NoSurface {
@@ -63,6 +95,18 @@ pub enum SolidError {
         interface: String,
         /// What was found and what to do.
         reason: String,
+    },
+    /// Reduced elements that stand in a single row.
+    #[error(
+        "part \"{part}\": in {count} elements of type C3D20R (element {element} first) midside nodes can move without any stiffness: reduced integration does not see such hourglass motions, and in a single row of elements no neighbour restrains them; write the elements as C3D20, or mesh at least two of them side by side"
+    )]
+    Hourglass {
+        /// Part.
+        part: String,
+        /// Number of such elements.
+        count: usize,
+        /// Label of the first.
+        element: u64,
     },
     /// The mesh falls into pieces.
     #[error(

@@ -1,6 +1,7 @@
 //! Which unknowns a node's displacement follows from: its own, a rigid surface's, or none.
 
 use super::held::Held;
+use super::places::{check_name, surface_of};
 use super::{InterfaceMotion, NodeRows, SolidError, Surface};
 use crate::machine::{Interface, Part, SurfaceCoupling};
 use crate::matrix::{DofLabel, GivenNodes};
@@ -152,27 +153,22 @@ fn is_inside(interface: &Interface, mesh: &Mesh, node: usize) -> bool {
     })
 }
 
-/// A part's node set by name.
-pub(super) fn find_set<'m>(part: &Part, mesh: &'m Mesh, set: &str, user: &str) -> Result<&'m [usize], SolidError> {
-    let found = mesh.node_sets.iter().find(|(name, _)| name.eq_ignore_ascii_case(set));
-    found.map(|(_, nodes)| nodes.as_slice()).ok_or_else(|| SolidError::UnknownSet {
-        part: part.name.clone(),
-        user: user.to_string(),
-        set: set.to_string(),
-        mesh: part.mesh.display().to_string(),
-        known: mesh.node_sets.keys().chain(mesh.surfaces.keys()).cloned().collect::<Vec<_>>().join(", "),
-    })
-}
-
 /// The whole surface of each interface of a part, and its rigid motion inside its region.
 ///
 /// # Errors
-/// [`SolidError::UnknownSet`] or [`SolidError::NoSurface`], with what the mesh has instead.
+/// [`SolidError::UnknownSet`] or [`SolidError::NoSurface`], with what the mesh has instead;
+/// [`SolidError::TwoPlaces`], [`SolidError::NoFace`].
 pub fn interface_motions(part: &Part, mesh: &Mesh) -> Result<Vec<(Surface, InterfaceMotion)>, SolidError> {
-    let one = |(i, interface): (usize, &Interface)| match mesh.matrices.as_ref().and_then(|m| m.interfaces.get(i)) {
-        None | Some(GivenNodes::Faces) => interface_motion(part, mesh, interface),
-        Some(GivenNodes::Weighted(weights)) => weighted_motion(part, mesh, interface, weights),
-        Some(GivenNodes::Point(node)) => Ok((Surface::default(), point_motion(mesh, *node))),
+    let one = |(i, interface): (usize, &Interface)| {
+        let given = mesh.matrices.as_ref().and_then(|m| m.interfaces.get(i));
+        if let Some(GivenNodes::Weighted(_) | GivenNodes::Point(_)) = given {
+            check_name(part, mesh, &interface.nodes, &format!("interface \"{}\"", interface.name))?;
+        }
+        match given {
+            None | Some(GivenNodes::Faces) => interface_motion(part, mesh, interface),
+            Some(GivenNodes::Weighted(weights)) => weighted_motion(part, mesh, interface, weights),
+            Some(GivenNodes::Point(node)) => Ok((Surface::default(), point_motion(mesh, *node))),
+        }
     };
     part.interfaces.iter().enumerate().map(one).collect()
 }
@@ -180,18 +176,11 @@ pub fn interface_motions(part: &Part, mesh: &Mesh) -> Result<Vec<(Surface, Inter
 fn interface_motion(part: &Part, mesh: &Mesh, interface: &Interface) -> Result<(Surface, InterfaceMotion), SolidError> {
     let no_surface =
         |reason: String| SolidError::NoSurface { part: part.name.clone(), interface: interface.name.clone(), reason };
-    let listed = mesh.surface(&interface.nodes).filter(|_| mesh.node_set(&interface.nodes).is_none());
-    let (surface, count) = match listed {
-        Some(faces) => (Surface::of_cell_faces(mesh, faces), faces.len()),
-        None => {
-            let set = find_set(part, mesh, &interface.nodes, &format!("interface \"{}\"", interface.name))?;
-            (Surface::of_node_set(mesh, set), set.len())
-        }
-    };
+    let user = format!("interface \"{}\"", interface.name);
+    let (surface, made_from) = surface_of(part, mesh, &interface.nodes, &user)?;
     if surface.faces.is_empty() {
         return Err(no_surface(format!(
-            "the {} nodes of set \"{}\" cover no outer element face; a face counts when all its nodes, midsides too, are in the set",
-            count, interface.nodes
+            "{made_from} cover no outer element face; a face counts when all its nodes, midsides too, are in the set"
         )));
     }
     let everywhere = crate::machine::Region { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };

@@ -1,9 +1,10 @@
-//! Surfaces of a part: element faces whose nodes all lie in a set, whole or clipped.
+//! Surfaces of a part: faces that the mesh file gives, or element faces whose nodes all lie in a set; whole or
+//! clipped.
 
 use crate::element::{face, faces, quadrature::tri_degree_5};
 use crate::machine::Region;
-use crate::mesh::{CellFace, Mesh};
-use std::collections::HashMap;
+use crate::mesh::{CellFace, FaceElement, Mesh};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// A face of one element: a triangle of three or six nodes, a quadrilateral of four or eight.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +20,13 @@ impl Face {
         let nodes: Vec<usize> = local.iter().map(|&i| mesh.cells[cell].nodes[i]).collect();
         let coordinates = nodes.iter().map(|&n| mesh.nodes[n]).collect();
         Self { nodes, coordinates }
+    }
+
+    /// Its corners, ascending: the same for the two sides of a face.
+    fn corner_set(&self) -> Vec<usize> {
+        let mut corners = self.nodes[..face::corner_count(self.nodes.len())].to_vec();
+        corners.sort_unstable();
+        corners
     }
 
     /// Coordinates of the corners, m.
@@ -76,10 +84,51 @@ impl Surface {
         Self { faces: kept }
     }
 
-    /// The given element faces.
+    /// The given element faces. One that is given from both sides counts once.
     pub fn of_cell_faces(mesh: &Mesh, listed: &[CellFace]) -> Self {
+        let mut seen = HashSet::new();
         let one = |at: &CellFace| Face::of_cell(mesh, at.cell, faces(mesh.cells[at.cell].kind)[at.face]);
-        Self { faces: listed.iter().map(one).collect() }
+        Self { faces: listed.iter().map(one).filter(|face| seen.insert(face.corner_set())).collect() }
+    }
+
+    /// The faces of solids that two-dimensional elements mark by their corners. A face that is marked twice, or that
+    /// lies between two solids, counts once.
+    ///
+    /// # Errors
+    /// The label of the first element that is no face of a solid.
+    pub fn of_face_elements(mesh: &Mesh, marks: &[FaceElement]) -> Result<Self, u64> {
+        let mut inside = vec![false; mesh.nodes.len()];
+        marks.iter().filter_map(|mark| mark.corners.as_ref()).flatten().for_each(|&node| inside[node] = true);
+        let mut found: HashMap<Vec<usize>, Face> = HashMap::new();
+        for (c, cell) in mesh.cells.iter().enumerate() {
+            for local in faces(cell.kind) {
+                if local[..face::corner_count(local.len())].iter().all(|&i| inside[cell.nodes[i]]) {
+                    let face = Face::of_cell(mesh, c, local);
+                    found.entry(face.corner_set()).or_insert(face);
+                }
+            }
+        }
+        let mut seen = HashSet::new();
+        let mut kept = Vec::new();
+        for mark in marks {
+            let mut corners = mark.corners.clone().ok_or(mark.label)?;
+            corners.sort_unstable();
+            let face = found.get(&corners).ok_or(mark.label)?;
+            if seen.insert(corners) {
+                kept.push(face.clone());
+            }
+        }
+        Ok(Self { faces: kept })
+    }
+
+    /// Its nodes.
+    pub fn nodes(&self) -> BTreeSet<usize> {
+        self.faces.iter().flat_map(|face| &face.nodes).copied().collect()
+    }
+
+    /// The corners of each face; equal for surfaces that are the same faces.
+    pub(super) fn corner_sets(&self) -> BTreeSet<Vec<usize>> {
+        self.faces.iter().map(Face::corner_set).collect()
     }
 
     /// Integrals w_i of the shape functions over the part of the surface inside a region, by node

@@ -56,6 +56,11 @@ const WORDS: &[&str] = &[
     "*BOUNDARY",
     "*FREQUENCY",
     "*INCLUDE, INPUT=none",
+    "*ELEMENT, TYPE=S3, ELSET=A",
+    "*BOUNDARY, OP=NEW",
+    "*NSET, NSET=\"A\"",
+    "\"EALL\", S2",
+    "8, 1, 2, 3, 4, 5, 6, 7, 8, 9, 20",
     "*NSET, NSET=B, ELSET=EALL",
     "EALL, S1",
     "7, S9",
@@ -98,6 +103,11 @@ fn check(bytes: &[u8]) {
     assert!(mesh.supports.keys().all(|&node| node < mesh.nodes.len()));
     for face in mesh.surfaces.values().flatten() {
         assert!(face.cell < mesh.cells.len() && face.face < mesh.cells[face.cell].kind.face_count());
+    }
+    let marks = mesh.face_sets.values().flatten().filter_map(|face| face.corners.as_ref());
+    assert!(marks.flatten().all(|&node| node < mesh.nodes.len()));
+    for nodes in mesh.namesakes.values().flatten().map(|namesake| &namesake.nodes) {
+        assert!(nodes.windows(2).all(|pair| pair[0] < pair[1]) && nodes.iter().all(|&node| node < mesh.nodes.len()));
     }
     for (sets, count) in [(&mesh.node_sets, mesh.nodes.len()), (&mesh.element_sets, mesh.cells.len())] {
         for set in sets.values() {

@@ -1,5 +1,8 @@
 //! The readers of `.inp` and `.msh` files: what is read, and what is refused with which words.
 
+#[path = "../support/mod.rs"]
+mod support;
+
 use std::path::Path;
 use stiffmap::machine::MeshUnits;
 use stiffmap::mesh::MeshFile;
@@ -7,7 +10,13 @@ use stiffmap::mesh::inp::parse_inp;
 
 mod any_bytes;
 mod broad;
+mod doubled;
+mod faces;
+mod groove;
+mod hourglass;
 mod msh;
+mod names;
+mod neutral;
 mod reading;
 mod refusals;
 
@@ -39,6 +48,28 @@ one tetrahedron, label 7
 *DENSITY
 7850
 *SOLID SECTION, ELSET=EALL, MATERIAL=STEEL
+";
+
+/// A brick of the unit cube.
+const BRICK: &str = "*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+*ELEMENT, TYPE=C3D8I, ELSET=E
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*NSET, NSET=FLOOR
+1, 2, 3, 4
+*MATERIAL, NAME=M
+*ELASTIC
+1, 0.3
+*DENSITY
+1
+*SOLID SECTION, ELSET=E, MATERIAL=M
 ";
 
 fn parse(text: &str) -> Result<MeshFile, String> {

@@ -118,6 +118,54 @@ fn both_versions_give_the_mesh_with_physical_names_as_sets() {
     assert_eq!((mesh.cells.len(), mesh.element_set("PhysicalVolume9")), (1, Some([0].as_slice())));
 }
 
+/// As Gmsh writes a mesh that it has partitioned: elements belong to pieces of the entities.
+#[test]
+fn a_partitioned_mesh_keeps_its_groups() {
+    let pieces = "$EndEntities\n$PartitionedEntities\n2\n1\n99 1\n1 0 2 1\n9 0 1 2 1 2 0 0 0 0\n\
+        15 2 5 1 1 0 0 0 2 2 0 1 7 0\n17 3 6 2 1 2 0 0 0 2 2 2 0 0\n16 3 6 1 1 0 0 0 2 2 2 1 8 1 15\n$EndPartitionedEntities";
+    let text = FOUR
+        .replace("$EndEntities", pieces)
+        .replace("2 5 9 1", "2 15 9 1")
+        .replace("3 6 11 1", "3 16 11 1")
+        .replace("2 5 0 6", "2 15 0 6")
+        .replace("3 6 0 4", "3 16 0 4");
+    let (seen, whole) = (parse(&text).unwrap(), parse(FOUR).unwrap());
+    assert_eq!(format!("{seen:?}"), format!("{whole:?}"));
+    let other = parse(&text.replace("2 2 0 1 7 0", "2 2 0 1 9 0")).unwrap();
+    assert!(other.mesh.node_set("floor plate").is_none(), "control: another group");
+    let message = parse(&text.replace("15 2 5 1 1 0", "15 2 5 9 1 0")).unwrap_err();
+    assert!(message.contains("part.msh:20: $PartitionedEntities"), "{message}");
+}
+
+#[test]
+fn nodes_with_parameters_are_read_in_version_2() {
+    let parametric: String = TWO
+        .lines()
+        .map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
+            _ if line.contains('"') => format!("{line}\n"),
+            ["1", x, y, z] => format!("1 {x} {y} {z} 0 1\n"),
+            ["2", x, y, z] => format!("2 {x} {y} {z} 2 5 0.5 -1e-3\n"),
+            [label, x, y, z] => format!("{label} {x} {y} {z} 3 6\n"),
+            _ => format!("{}\n", line.replace("Nodes", "ParametricNodes")),
+        })
+        .collect();
+    assert_ne!(parametric, TWO);
+    assert_eq!(format!("{:?}", parse(&parametric).unwrap()), format!("{:?}", parse(TWO).unwrap()));
+    let message = parse(&parametric.replace(" 3 6\n", "\n")).unwrap_err();
+    assert!(message.contains("$ParametricNodes") && message.contains("dimension, entity"), "{message}");
+    let message = parse(&TWO.replace("4 0 0 2", "4 0 0 2 3 6")).unwrap_err();
+    assert!(message.contains("$Nodes") && message.contains("nothing behind"), "{message}");
+}
+
+#[test]
+fn a_file_of_another_format_is_told_what_it_is() {
+    let message = parse(super::TET).unwrap_err();
+    assert!(message.contains("found \"** a comment\"") && message.contains("rename it to end in .inp"), "{message}");
+    let message = parse("$NOD\n1\n1 0 0 0\n$ENDNOD\n").unwrap_err();
+    assert!(message.contains("MshFileVersion = 4.1"), "{message}");
+    super::refused(TWO, &["tet.inp:1", "a Gmsh mesh", ".msh"]);
+}
+
 /// Every node of a solid from Gmsh must stand where Abaqus's order wants it: midsides halfway.
 #[test]
 fn the_order_of_nodes_is_turned_into_abaquss() {

@@ -5,6 +5,9 @@
 //! are negative in the header where string headers are two words instead of one. A column number past
 //! the last ends the matrix; the next may follow.
 //!
+//! Lengths count words of 4 bytes, two of which make a number in double precision. In dense text Nastran counts
+//! numbers instead, and some writers count words there too; the lines that follow show which.
+//!
 //! # Source
 //! NX Nastran DMAP Programmer's Guide, module OUTPUT4.
 
@@ -48,31 +51,36 @@ struct Header {
     rows: usize,
     /// Whether a string's header is two words.
     big: bool,
-    /// Words of 4 bytes a value: 1 single, 2 double, twice that if complex.
+    /// Words of 4 bytes a number: 1 single, 2 double. A complex value is two numbers.
     words: usize,
+    /// Numbers a value: 2 if complex.
+    numbers: usize,
     /// Why the matrix is passed over.
     unusable: Option<String>,
 }
 
 impl Header {
     fn new(columns: i64, rows: i64, form: i64, kind: i64, name: &str) -> Option<Self> {
-        let words = match kind {
-            1 => 1,
-            2 | 3 => 2,
-            4 => 4,
+        let (words, numbers) = match kind {
+            1 => (1, 1),
+            2 => (2, 1),
+            3 => (1, 2),
+            4 => (2, 2),
             _ => return None,
         };
         let size = |n: i64| usize::try_from(n).ok().filter(|n| (1..=MOST_ROWS).contains(n));
         let (columns, count) = (size(columns)?, size(rows.checked_abs()?)?);
         let name = name.trim().to_string();
-        let unusable = if kind > 2 {
+        let unusable = if numbers > 1 {
             Some(format!("{name} (complex)"))
         } else if columns != count {
             Some(format!("{name} ({count} x {columns}, form {form})"))
         } else {
             None
         };
-        Some(Self { name, columns, rows: count, big: rows < 0, words, unusable })
+        // The rows of a string's header of one word end at 65535.
+        let big = rows < 0 || count > 65535;
+        Some(Self { name, columns, rows: count, big, words, numbers, unusable })
     }
 
     fn start(&self, file: &Path) -> Coordinates {
@@ -86,7 +94,8 @@ impl Header {
         }
     }
 
-    /// Puts values of a column from a row (from 1) on; `None` if they run out of the matrix.
+    /// Puts values of a column from a row (from 1) on; `None` if they run out of the matrix. Of a matrix that is
+    /// passed over only the number of values counts.
     fn put(
         &self,
         matrix: &mut Coordinates,
@@ -95,7 +104,7 @@ impl Header {
         values: impl Iterator<Item = f64>,
     ) -> Option<()> {
         for (k, value) in values.enumerate() {
-            let row = row.checked_add(k).filter(|r| (1..=self.rows).contains(r))?;
+            let row = row.checked_add(k / self.numbers).filter(|r| (1..=self.rows).contains(r))?;
             if value != 0.0 && self.unusable.is_none() {
                 value.is_finite().then_some(())?;
                 matrix.entries.push((row as u32 - 1, column as u32 - 1, value));

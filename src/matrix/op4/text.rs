@@ -47,6 +47,7 @@ fn matrix(
     found: &mut Found,
 ) -> Result<(), MatrixError> {
     let mut matrix = header.start(file);
+    let mut words_each = None;
     loop {
         let line = lines.next_raw()?.ok_or_else(|| lines.refuse("the end of the file", "a column of the matrix"))?;
         let fields = integer(line, 0).zip(integer(line, 1)).zip(integer(line, 2));
@@ -62,11 +63,18 @@ fn matrix(
         let outside = |lines: &Lines<'_>| {
             lines.refuse(line, format!("columns to {}, rows to {}, whole values", header.columns, header.rows))
         };
-        if column == 0 || words % header.words != 0 && row > 0 {
+        if column == 0 {
             return Err(outside(lines));
         }
         if row > 0 {
-            let values = values(lines, words / header.words, width)?;
+            // Nastran counts the numbers of a dense column; others count words, in the whole matrix. A line without
+            // numbers ends the column.
+            let values = values(lines, words, width, true)?;
+            let each = *words_each.get_or_insert(if values.len() == words { 1 } else { header.words });
+            if values.len() * each != words {
+                let seen = format!("{} numbers where {} are announced", values.len(), words / each);
+                return Err(lines.refuse(seen, "as many numbers as the column's header announces"));
+            }
             header.put(&mut matrix, column, row, values.into_iter()).ok_or_else(|| outside(lines))?;
             continue;
         }
@@ -84,7 +92,7 @@ fn matrix(
                 string.filter(|(_, words, own)| *words > 0 && words + own <= left && words % header.words == 0);
             let (row, words, own) =
                 string.ok_or_else(|| lines.refuse(line, format!("a string of at most {left} words")))?;
-            let values = values(lines, words / header.words, width)?;
+            let values = values(lines, words / header.words, width, false)?;
             header.put(&mut matrix, column, row, values.into_iter()).ok_or_else(|| outside(lines))?;
             left -= words + own;
         }
@@ -93,14 +101,18 @@ fn matrix(
     Ok(())
 }
 
-/// `count` values from the next lines, in fields of `width` characters.
-fn values(lines: &mut Lines<'_>, count: usize, width: usize) -> Result<Vec<f64>, MatrixError> {
+/// `count` numbers from the next lines, in fields of `width` characters; fewer where a line that holds none, as the
+/// header of a column, comes first and `may_end`.
+fn values(lines: &mut Lines<'_>, count: usize, width: usize, may_end: bool) -> Result<Vec<f64>, MatrixError> {
     let mut values = Vec::new();
     while values.len() < count {
+        if may_end && lines.peek_raw().is_some_and(|next| !next.contains(&b'.')) {
+            break;
+        }
         let line = lines.next_raw()?.ok_or_else(|| lines.refuse("the end of the file", format!("{count} values")))?;
         let before = values.len();
         let mut rest = line;
-        while !rest.trim().is_empty() && values.len() < count {
+        while !rest.trim().is_empty() {
             let at = width.min(rest.len());
             let (field, next) = rest.split_at_checked(at).ok_or_else(|| lines.refuse(line, "numbers"))?;
             let value =
@@ -108,7 +120,7 @@ fn values(lines: &mut Lines<'_>, count: usize, width: usize) -> Result<Vec<f64>,
             values.push(value);
             rest = next;
         }
-        if values.len() == before {
+        if values.len() == before || values.len() > count {
             return Err(lines.refuse(line, format!("{count} values")));
         }
     }

@@ -1,18 +1,21 @@
 //! Second pass: labels become indices, names become sets and materials, units become SI.
 
+use super::lines::unquoted;
 use super::materials::assign_materials;
-use super::raw::{Raw, RawBoundary, RawKind, RawNode, RawSurface, Target};
-use super::sets::{Kind, MOST_MEMBERS, MOST_MEMBERS_PER_LABEL, Resolver, Sets};
+use super::places::{AllSets, name_places};
+use super::raw::{Raw, RawBoundary, RawKind, RawNode, Target};
+use super::sets::{Kind, MOST_MEMBERS, MOST_MEMBERS_PER_LABEL, Resolver};
 use super::source::Source;
+use super::surfaces::surfaces;
 use crate::machine::MeshUnits;
+use crate::mesh::doubled::{Clash, merge};
 use crate::mesh::labels::Labels;
-use crate::mesh::{Cell, CellFace, Mesh, MeshError, MeshFile, Warning};
-use std::collections::BTreeMap;
+use crate::mesh::{Cell, Mesh, MeshError, MeshFile, Warning};
 
 type Result<T> = std::result::Result<T, MeshError>;
 
-/// The mesh of what was collected.
-pub fn assemble(mut raw: Raw, source: &Source, units: MeshUnits) -> Result<MeshFile> {
+/// The mesh of what was collected; without its materials if the part has another one.
+pub fn assemble(mut raw: Raw, source: &Source, units: MeshUnits, other_material: bool) -> Result<MeshFile> {
     let spot = |line: usize| source.spot(line);
     let file = || source.spot(1).file;
     if !raw.cells.iter().any(|cell| matches!(cell.kind, RawKind::Solid(_))) {
@@ -25,33 +28,26 @@ pub fn assemble(mut raw: Raw, source: &Source, units: MeshUnits) -> Result<MeshF
     };
     let node_labels = Labels::new(raw.nodes.iter().map(|node| node.label))
         .map_err(|i| duplicate("node", raw.nodes[i].label, raw.nodes[i].line))?;
-    let cell_labels = Labels::new(raw.cells.iter().map(|cell| cell.label))
-        .map_err(|i| duplicate("element", raw.cells[i].label, raw.cells[i].line))?;
+    let cell_labels = cell_labels(&raw).map_err(|i| duplicate("element", raw.cells[i].label, raw.cells[i].line))?;
 
     let mut elements = resolve_cells(&raw, &node_labels, source)?;
     let mut resolver = Resolver::new(source, std::mem::take(&mut raw.warnings));
     let element_kind = Kind { name: "element", labels: &cell_labels, elements: None };
-    let element_sets = resolver.resolve(&raw.element_sets, &element_kind)?;
+    let element_sets = resolver.resolve(&raw.element_sets, &element_kind, None)?;
     let of_elements = Some((&elements, &element_sets));
     let node_kind = Kind { name: "node", labels: &node_labels, elements: of_elements };
-    let mut node_sets = resolver.resolve(&raw.node_sets, &node_kind)?;
-    node_sets.add_missing(carrier_sets(&raw, &elements, &element_sets));
-    let materials = assign_materials(&raw, &mut elements, &element_sets, source, units)?;
-    let boundaries = boundaries(&raw, &node_labels, &node_sets, source)?;
+    let node_sets = resolver.resolve(&raw.node_sets, &node_kind, None)?;
+    let node_surfaces = resolver.resolve(&raw.node_surfaces, &node_kind, Some(&node_sets))?;
+    let sets = AllSets { node_sets, node_surfaces, element_sets };
+    let materials = assign_materials(&raw, &mut elements, &sets.element_sets, source, units, other_material)?;
+    let boundaries = boundaries(&raw, &node_labels, &elements, &sets, source)?;
 
-    // Solids keep their order; what only makes sets is left out.
-    let mut place = vec![None; elements.len()];
-    let mut cells = Vec::new();
-    for (i, element) in elements.into_iter().enumerate() {
-        if let RawKind::Solid(kind) = raw.cells[i].kind {
-            place[i] = Some(cells.len());
-            cells.push(Cell { kind, label: raw.cells[i].label, nodes: element.nodes, material: element.material });
-        }
-    }
-    let surfaces = surfaces(&raw, &cells, &place, &cell_labels, &element_sets, source)?;
     let mut warnings = resolver.warnings;
+    let (mut cells, places) = solids(&raw, &elements, source, &mut warnings)?;
+    let surfaces = surfaces(&raw, &cells, &places, &cell_labels, &sets.element_sets, source)?;
     let kept = drop_unused_nodes(&raw, &mut cells, &mut warnings);
-    let mut mesh = Mesh { cells, materials, surfaces, ..Mesh::default() };
+    let passed_over = std::mem::take(&mut raw.passed_over).into_iter().collect();
+    let mut mesh = Mesh { cells, materials, passed_over, ..Mesh::default() };
     for (node, new) in raw.nodes.iter().zip(&kept) {
         if new.is_some() {
             mesh.nodes.push(node.at.map(|x| x * units.length));
@@ -64,8 +60,7 @@ pub fn assemble(mut raw: Raw, source: &Source, units: MeshUnits) -> Result<MeshF
             *held = std::array::from_fn(|c| held[c] || directions[c]);
         }
     }
-    mesh.node_sets = node_sets.named(|index| kept[index]);
-    mesh.element_sets = element_sets.named(|index| place[index]);
+    name_places(&mut mesh, &raw, &elements, &sets, surfaces, &places, &kept, &mut warnings);
     warnings.sort_by_key(|warning| warning.line);
     let main = file();
     for warning in &mut warnings {
@@ -77,6 +72,60 @@ pub fn assemble(mut raw: Raw, source: &Source, units: MeshUnits) -> Result<MeshF
         warning.line = if at.file == main { at.line } else { 0 };
     }
     Ok(MeshFile { mesh, warnings })
+}
+
+/// The elements' labels; one that is written again with the same nodes stands for the first.
+fn cell_labels(raw: &Raw) -> std::result::Result<Labels, usize> {
+    let mut ends = Vec::with_capacity(raw.cells.len());
+    let mut end = 0;
+    for cell in &raw.cells {
+        end += cell.kind.node_count();
+        ends.push(end);
+    }
+    let nodes = |i: usize| &raw.cell_nodes[ends[i] - raw.cells[i].kind.node_count()..ends[i]];
+    let twins = |first: usize, second: usize| {
+        raw.cells[first].kind.name() == raw.cells[second].kind.name() && nodes(first) == nodes(second)
+    };
+    Labels::with_twins(raw.cells.iter().map(|cell| cell.label), twins)
+}
+
+/// Where the elements of the file are among the cells of the mesh.
+pub struct Places {
+    /// For each element its cell; `None` for one that is no solid.
+    pub cell: Vec<Option<usize>>,
+    /// For each element whether it is a cell that stands twice, with its nodes in another order.
+    pub turned: Vec<bool>,
+}
+
+/// The solids in the order of the file, each once; what only makes sets is left out.
+fn solids(
+    raw: &Raw,
+    elements: &[Element],
+    source: &Source,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Vec<Cell>, Places)> {
+    let (mut cells, mut of_cell) = (Vec::new(), Vec::new());
+    for (i, (own, element)) in raw.cells.iter().zip(elements).enumerate() {
+        if let RawKind::Solid(kind) = own.kind {
+            let nodes = element.nodes.clone();
+            cells.push(Cell { kind, label: own.label, nodes, material: element.material });
+            of_cell.push(i);
+        }
+    }
+    let line = |cell: usize| raw.cells[of_cell[cell]].line as usize;
+    let label = |cell: usize| raw.cells[of_cell[cell]].label;
+    let merged = merge(cells, |_, _| false).map_err(|Clash { first, second, difference }| MeshError::Coincident {
+        spot: source.spot(line(second)),
+        first: label(first),
+        second: label(second),
+        difference,
+    })?;
+    warnings.extend(merged.warning.map(|(cell, text)| Warning { line: line(cell), text }));
+    let mut places = Places { cell: vec![None; elements.len()], turned: vec![false; elements.len()] };
+    for ((&i, &place), &turned) in of_cell.iter().zip(&merged.place).zip(&merged.turned) {
+        (places.cell[i], places.turned[i]) = (Some(place), turned);
+    }
+    Ok((merged.cells, places))
 }
 
 /// An element with its nodes as indices.
@@ -105,22 +154,14 @@ fn resolve_cells(raw: &Raw, labels: &Labels, source: &Source) -> Result<Vec<Elem
     Ok(elements)
 }
 
-/// Node sets of the element sets that hold no solid: the surfaces and lines that Gmsh writes.
-fn carrier_sets(raw: &Raw, elements: &[Element], sets: &Sets) -> Vec<(String, Vec<u32>)> {
-    let carrier = |&&i: &&u32| matches!(raw.cells[i as usize].kind, RawKind::Carrier(..));
-    let whole = sets.iter().filter(|(_, members)| !members.is_empty() && members.iter().all(|i| carrier(&i)));
-    let nodes = |members: &[u32]| {
-        let mut nodes: Vec<u32> =
-            members.iter().flat_map(|&i| &elements[i as usize].nodes).map(|&node| node as u32).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
-    };
-    whole.map(|(name, members)| (name.to_owned(), nodes(members))).collect()
-}
-
 /// Held displacements by node index.
-fn boundaries(raw: &Raw, labels: &Labels, sets: &Sets, source: &Source) -> Result<Vec<(usize, [bool; 3])>> {
+fn boundaries(
+    raw: &Raw,
+    labels: &Labels,
+    elements: &[Element],
+    sets: &AllSets,
+    source: &Source,
+) -> Result<Vec<(usize, [bool; 3])>> {
     let mut held = Vec::new();
     for RawBoundary { of, directions, line } in &raw.boundaries {
         let spot = || source.spot(*line);
@@ -131,14 +172,14 @@ fn boundaries(raw: &Raw, labels: &Labels, sets: &Sets, source: &Source) -> Resul
                 held.push((labels.find(*label).ok_or_else(missing)?, *directions));
             }
             Target::Set(name) => {
-                let nearest = || sets.nearest(name);
                 let unknown = || MeshError::UnknownName {
                     spot: spot(),
                     kind: "node set",
-                    name: name.clone(),
-                    nearest: nearest(),
+                    name: unquoted(name).to_owned(),
+                    nearest: sets.node_sets.nearest(name),
                 };
-                held.extend(sets.get(name).ok_or_else(unknown)?.iter().map(|&n| (n as usize, *directions)));
+                let nodes = sets.nodes(name, raw, elements).ok_or_else(unknown)?;
+                held.extend(nodes.into_iter().map(|n| (n as usize, *directions)));
             }
         }
         if held.len() > MOST_MEMBERS.max(MOST_MEMBERS_PER_LABEL * raw.nodes.len()) {
@@ -146,63 +187,6 @@ fn boundaries(raw: &Raw, labels: &Labels, sets: &Sets, source: &Source) -> Resul
         }
     }
     Ok(held)
-}
-
-/// Surfaces by element faces.
-fn surfaces(
-    raw: &Raw,
-    cells: &[Cell],
-    place: &[Option<usize>],
-    labels: &Labels,
-    sets: &Sets,
-    source: &Source,
-) -> Result<BTreeMap<String, Vec<CellFace>>> {
-    let mut spelling: BTreeMap<String, String> = BTreeMap::new();
-    let mut found: BTreeMap<String, Vec<CellFace>> = BTreeMap::new();
-    let mut count = 0;
-    for RawSurface { name, of, face, line } in &raw.surfaces {
-        let elements: Vec<u32> = match of {
-            Target::Label(label) => {
-                let by = format!("the surface {name:?}");
-                let missing =
-                    || MeshError::MissingLabel { spot: source.spot(*line), by, kind: "element", label: *label };
-                vec![labels.find(*label).ok_or_else(missing)? as u32]
-            }
-            Target::Set(set) => {
-                let members = sets.get(set).ok_or_else(|| MeshError::UnknownName {
-                    spot: source.spot(*line),
-                    kind: "element set",
-                    name: set.clone(),
-                    nearest: sets.nearest(set),
-                })?;
-                members.to_vec()
-            }
-        };
-        count += elements.len();
-        let limit = MOST_MEMBERS.max(MOST_MEMBERS_PER_LABEL * cells.len());
-        if count > limit {
-            return Err(MeshError::TooManyMembers { spot: source.spot(*line), limit });
-        }
-        let key = spelling.entry(name.to_uppercase()).or_insert_with(|| name.clone());
-        let list = found.entry(key.clone()).or_default();
-        for cell in elements.iter().filter_map(|&i| place[i as usize]) {
-            let faces = cells[cell].kind.face_count();
-            if *face >= faces {
-                return Err(MeshError::Value {
-                    spot: source.spot(*line),
-                    keyword: "SURFACE",
-                    seen: format!("S{} of element {}", face + 1, cells[cell].label),
-                    allowed: format!("faces S1 to S{faces} of a {}", cells[cell].kind.name()),
-                });
-            }
-            list.push(CellFace { cell, face: *face });
-        }
-    }
-    for list in found.values_mut() {
-        list.sort_unstable();
-        list.dedup();
-    }
-    Ok(found)
 }
 
 /// Renumbers the cells' nodes without those that no cell uses; the new index of each node.

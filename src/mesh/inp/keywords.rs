@@ -11,22 +11,45 @@ const HARMLESS: &[&str] = &[
     "CONTACTFILE",
     "CONTACTOUTPUT",
     "CONTACTPRINT",
+    "CONTROLS",
     "ELEMENTOUTPUT",
     "ELFILE",
     "ELPRINT",
     "ENERGYOUTPUT",
     "EXPANSION",
     "FILEFORMAT",
+    // Without a contact pair, which is refused, the properties of a contact serve nothing.
+    "FRICTION",
     "MONITOR",
     "NODEFILE",
     "NODEOUTPUT",
     "NODEPRINT",
+    // Materials are isotropic: turned axes change nothing.
+    "ORIENTATION",
     "OUTPUT",
     "PHYSICALCONSTANTS",
     "PREPRINT",
     "RESTART",
+    "SECTIONPRINT",
     "SPECIFICHEAT",
+    "SURFACEBEHAVIOR",
+    "SURFACEINTERACTION",
     "TIMEPOINTS",
+];
+
+/// Properties of a material beside its name: passed over where the material of the file does not matter.
+pub const PROPERTIES: &[&str] = &[
+    "CREEP",
+    "CYCLICHARDENING",
+    "DAMPING",
+    "DENSITY",
+    "DEPVAR",
+    "ELASTIC",
+    "HYPERELASTIC",
+    "HYPERFOAM",
+    "PLASTIC",
+    "USERMATERIAL",
+    "VISCOELASTIC",
 ];
 
 /// Passes over a keyword that does not change the `result`, with a warning, and refuses any other.
@@ -42,10 +65,15 @@ pub fn pass_over(keyword: &Keyword<'_>, result: &str, lines: &mut Lines<'_>, raw
             advice: advice(name),
         });
     }
+    say_passed_over(keyword, result, lines, raw);
+    Ok(())
+}
+
+/// Passes over a keyword that the caller knows not to change the `result`, with a warning.
+pub fn say_passed_over(keyword: &Keyword<'_>, result: &str, lines: &mut Lines<'_>, raw: &mut Raw) {
     let text = format!("*{} is passed over; it does not change the {result}", keyword.spelling);
     raw.warnings.push(Warning { line: keyword.line, text });
     lines.skip_data();
-    Ok(())
 }
 
 /// What to do about a keyword that is refused.
@@ -55,7 +83,6 @@ fn advice(name: &str) -> &'static str {
             "write a flat input file, without parts and assembly"
         }
         "TRANSFORM" | "SYSTEM" => "write the nodes in global Cartesian coordinates",
-        "ORIENTATION" => "remove it; materials are isotropic",
         "MPC"
         | "EQUATION"
         | "TIE"
@@ -70,8 +97,9 @@ fn advice(name: &str) -> &'static str {
         "SHELLSECTION" | "MEMBRANESECTION" | "BEAMSECTION" | "BEAMGENERALSECTION" | "NODALTHICKNESS" => {
             "mesh the body with solid elements"
         }
-        "CONTACTPAIR" | "SURFACEBEHAVIOR" | "FRICTION" | "GAP" => {
-            "contact is not linear; tie by joints in the machine file"
+        "CONTACTPAIR" | "GAP" => "contact is not linear; tie by joints in the machine file",
+        "CLOAD" | "DLOAD" => {
+            "remove it: CalculiX adds the stress of loads to the stiffness in a step with PERTURBATION, Abaqus does not"
         }
         "INITIALCONDITIONS" => "remove it; the model is linear and at rest",
         "SPRING" | "DASHPOT" => "write it as a spring-damper joint in the machine file",

@@ -20,7 +20,7 @@ pub struct Keyword<'a> {
     /// As the file writes it.
     pub spelling: &'a str,
     pub line: usize,
-    /// Name in upper case without blanks, and value (empty for a flag).
+    /// Name in upper case without blanks, and value with its quotes (empty for a flag).
     pub parameters: Vec<(String, &'a str)>,
 }
 
@@ -68,7 +68,7 @@ impl<'a> Lines<'a> {
     pub fn next_keyword(&mut self) -> Option<Keyword<'a>> {
         let (number, line) = self.ahead.filter(|(_, line)| line.starts_with('*'))?;
         self.advance();
-        let mut fields = line[1..].split(',').map(str::trim);
+        let mut fields = split(&line[1..]).map(str::trim);
         let spelling = fields.next().unwrap_or_default();
         let mut keyword = Keyword { name: canonical(spelling), spelling, line: number, parameters: Vec::new() };
         keyword.add_parameters(fields);
@@ -78,7 +78,7 @@ impl<'a> Lines<'a> {
             let Some((_, line)) = self.next_data() else {
                 break;
             };
-            keyword.add_parameters(line.split(',').map(str::trim));
+            keyword.add_parameters(split(line).map(str::trim));
             last = line;
         }
         Some(keyword)
@@ -90,17 +90,55 @@ impl<'a> Keyword<'a> {
         self.parameters.extend(parameters(fields));
     }
 
-    /// The value of a parameter; empty for a flag.
+    /// The value of a parameter without quotes; empty for a flag.
     pub fn get(&self, name: &str) -> Option<&'a str> {
+        self.name(name).map(unquoted)
+    }
+
+    /// The name that a parameter gives, with its quotes.
+    pub fn name(&self, name: &str) -> Option<&'a str> {
         self.parameters.iter().find(|(other, _)| other == name).map(|(_, value)| *value)
     }
 }
 
-/// Names in upper case without blanks, and values (empty for flags).
+/// Names in upper case without blanks, and values with their quotes (empty for flags).
 pub fn parameters<'a>(fields: impl Iterator<Item = &'a str>) -> Vec<(String, &'a str)> {
     let split = |field: &'a str| field.split_once('=').unwrap_or((field, ""));
     let fields = fields.map(str::trim).filter(|field| !field.is_empty()).map(split);
-    fields.map(|(name, value)| (canonical(name), value.trim().trim_matches('"'))).collect()
+    fields.map(|(name, value)| (canonical(name), value.trim())).collect()
+}
+
+/// The pieces of a line between commas; one in double quotes is no separator.
+pub fn split(line: &str) -> impl Iterator<Item = &str> {
+    let closed = line.bytes().filter(|&b| b == b'"').count().is_multiple_of(2);
+    let mut quoted = false;
+    line.split(move |c: char| {
+        quoted ^= c == '"' && closed;
+        c == ',' && !quoted
+    })
+}
+
+/// A name or value without its quotes.
+pub fn unquoted(name: &str) -> &str {
+    name.trim_matches('"')
+}
+
+/// What names are compared by: without quotes and blanks, in upper case.
+///
+/// Abaqus and CalculiX read names without regard to case and blanks. In quotes Abaqus keeps both; a name that
+/// differs from another one in them alone is refused ([`told_apart`]), so that a reference may be written either way.
+pub fn key(name: &str) -> String {
+    canonical(unquoted(name))
+}
+
+/// Whether Abaqus tells two names of one key apart.
+pub fn told_apart(a: &str, b: &str) -> bool {
+    (a.contains('"') || b.contains('"')) && a != b
+}
+
+/// Whether a field is a name: in quotes, or with a letter or an underscore in it, as in `1_base`.
+pub fn is_name(field: &str) -> bool {
+    field.contains(|c: char| c.is_alphabetic() || c == '_') || field.starts_with('"') && !unquoted(field).is_empty()
 }
 
 /// Upper case without blanks.
@@ -110,7 +148,7 @@ pub fn canonical(name: &str) -> String {
 
 /// The values of a data line; the empty one after a trailing comma is left out.
 pub fn fields(line: &str) -> impl Iterator<Item = &str> {
-    line.strip_suffix(',').unwrap_or(line).split(',').map(str::trim)
+    split(line.strip_suffix(',').unwrap_or(line)).map(str::trim)
 }
 
 /// A finite number; Fortran's `1.0D+3` is read.

@@ -1,18 +1,23 @@
 //! Materials, and the elements that have them.
 
-use super::lines::{Keyword, Lines, bad_value, canonical, fields, number};
+use super::lines::{Keyword, Lines, bad_value, canonical, fields, key, number, told_apart, unquoted};
+use super::parameters::{Neutral, check_parameters};
 use super::raw::{Raw, RawMaterial, RawSection};
-use super::sections::{check_parameters, need};
+use super::sections::need_name;
 use crate::mesh::MeshError;
 
 type Result<T> = std::result::Result<T, MeshError>;
 
 pub fn read_material(keyword: &Keyword<'_>, lines: &Lines<'_>, raw: &mut Raw) -> Result<()> {
-    check_parameters(keyword, "MATERIAL", &["NAME"], "NAME", lines)?;
-    let name = need(keyword, "MATERIAL", "NAME", "NAME", lines)?;
-    if raw.materials.iter().any(|other| other.name.eq_ignore_ascii_case(name)) {
+    check_parameters(keyword, "MATERIAL", &["NAME"], &[], "NAME", lines)?;
+    let name = need_name(keyword, "MATERIAL", "NAME", "NAME", lines)?;
+    if let Some(other) = raw.materials.iter().find(|other| key(&other.name) == key(name)) {
         let spot = lines.spot(keyword.line);
-        return Err(MeshError::Duplicate { spot, kind: "material", label: name.to_owned() });
+        if told_apart(&other.name, name) {
+            let (first, second) = (other.name.clone(), name.to_owned());
+            return Err(MeshError::AlmostEqualNames { spot, first, second });
+        }
+        return Err(MeshError::Duplicate { spot, kind: "material", label: unquoted(name).to_owned() });
     }
     raw.materials.push(RawMaterial { name: name.to_owned(), elastic: None, density: None });
     Ok(())
@@ -20,7 +25,9 @@ pub fn read_material(keyword: &Keyword<'_>, lines: &Lines<'_>, raw: &mut Raw) ->
 
 pub fn read_elastic(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
     const ALLOWED: &str = "TYPE=ISO (or none)";
-    check_parameters(keyword, "ELASTIC", &["TYPE"], ALLOWED, lines)?;
+    // The moduli are those of a viscoelastic material, which is refused.
+    const NEUTRAL: [Neutral; 1] = [("MODULI", &["INSTANTANEOUS", "LONGTERM"])];
+    check_parameters(keyword, "ELASTIC", &["TYPE"], &NEUTRAL, ALLOWED, lines)?;
     if let Some(kind) = keyword.get("TYPE").filter(|kind| !["ISO", "ISOTROPIC"].contains(&canonical(kind).as_str())) {
         return Err(MeshError::Parameter {
             spot: lines.spot(keyword.line),
@@ -44,7 +51,7 @@ pub fn read_elastic(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw)
 }
 
 pub fn read_density(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    check_parameters(keyword, "DENSITY", &[], "no parameter", lines)?;
+    check_parameters(keyword, "DENSITY", &[], &[], "no parameter", lines)?;
     let (line, data, values) = single_row("DENSITY", 1, keyword, lines)?;
     let &[density] = values.as_slice() else {
         return bad_value(lines.spot(line), "DENSITY", data, "a density");
@@ -102,18 +109,28 @@ fn current_material(
         return refused("it stands before the first *MATERIAL".to_owned(), "put it after its *MATERIAL");
     };
     if set(material) {
-        return refused(format!("the material {:?} has two", material.name), "remove one of them");
+        return refused(format!("the material {:?} has two", unquoted(&material.name)), "remove one of them");
     }
     Ok(())
 }
 
 pub fn read_solid_section(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    const ALLOWED: &str = "ELSET, MATERIAL";
-    check_parameters(keyword, "SOLID SECTION", &["ELSET", "MATERIAL"], ALLOWED, lines)?;
-    let element_set = need(keyword, "SOLID SECTION", "ELSET", ALLOWED, lines)?.to_owned();
-    let material = need(keyword, "SOLID SECTION", "MATERIAL", ALLOWED, lines)?.to_owned();
+    const ALLOWED: &str = "ELSET, MATERIAL, ORIENTATION";
+    // Materials are isotropic: turned axes change nothing.
+    const NEUTRAL: [Neutral; 1] = [("ORIENTATION", &[])];
+    check_parameters(keyword, "SOLID SECTION", &["ELSET", "MATERIAL"], &NEUTRAL, ALLOWED, lines)?;
+    let element_set = need_name(keyword, "SOLID SECTION", "ELSET", ALLOWED, lines)?.to_owned();
+    let material = need_name(keyword, "SOLID SECTION", "MATERIAL", ALLOWED, lines)?.to_owned();
     raw.sections.push(RawSection { element_set, material, line: keyword.line });
     // A thickness means nothing to a solid element.
+    lines.skip_data();
+    Ok(())
+}
+
+/// Passes over the section of surface elements, which have neither stiffness nor, without DENSITY, mass.
+pub fn read_surface_section(keyword: &Keyword<'_>, lines: &mut Lines<'_>) -> Result<()> {
+    const ALLOWED: &str = "ELSET, and no DENSITY, which would give the surface a mass";
+    check_parameters(keyword, "SURFACE SECTION", &["ELSET"], &[], ALLOWED, lines)?;
     lines.skip_data();
     Ok(())
 }

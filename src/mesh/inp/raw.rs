@@ -10,11 +10,17 @@ pub struct Raw {
     /// Node labels of all cells, one after the other.
     pub cell_nodes: Vec<u64>,
     pub node_sets: Vec<RawSet>,
+    /// `*SURFACE, TYPE=NODE`.
+    pub node_surfaces: Vec<RawSet>,
     pub element_sets: Vec<RawSet>,
     pub materials: Vec<RawMaterial>,
     pub sections: Vec<RawSection>,
     pub surfaces: Vec<RawSurface>,
+    /// Names of surfaces that are passed over, and why.
+    pub passed_over: Vec<(String, String)>,
     pub boundaries: Vec<RawBoundary>,
+    /// Whether the first step has let go what was held before it.
+    pub let_go: bool,
     /// The frequency step of a deck.
     pub frequency: Option<FrequencyStep>,
     pub warnings: Vec<Warning>,
@@ -39,15 +45,34 @@ pub struct RawCell {
 #[derive(Clone, Copy)]
 pub enum RawKind {
     Solid(CellKind),
-    /// A line or surface element without a section, such as Gmsh writes: its name and nodes.
-    Carrier(&'static str, usize),
+    /// A two-dimensional element without a section, which marks a face of a solid: its name and nodes.
+    Face(&'static str, usize),
+    /// A line element without a section, which only sets are made of: its name and nodes.
+    Line(&'static str, usize),
 }
 
 impl RawKind {
     pub fn node_count(self) -> usize {
         match self {
             RawKind::Solid(kind) => kind.node_count(),
-            RawKind::Carrier(_, nodes) => nodes,
+            RawKind::Face(_, nodes) | RawKind::Line(_, nodes) => nodes,
+        }
+    }
+
+    /// Name in Abaqus and CalculiX.
+    pub fn name(self) -> &'static str {
+        match self {
+            RawKind::Solid(kind) => kind.name(),
+            RawKind::Face(name, _) | RawKind::Line(name, _) => name,
+        }
+    }
+
+    /// Corners of a two-dimensional element, which are its first nodes.
+    pub fn face_corners(self) -> Option<usize> {
+        match self {
+            RawKind::Face(_, 3 | 6) => Some(3),
+            RawKind::Face(..) => Some(4),
+            _ => None,
         }
     }
 }
@@ -74,7 +99,7 @@ pub struct RawBoundary {
     pub line: usize,
 }
 
-/// A piece of a set; pieces of the same name make one set.
+/// A piece of a set; pieces of the same name make one set. Names keep their quotes.
 pub struct RawSet {
     pub name: String,
     pub members: Members,
@@ -91,6 +116,19 @@ pub enum Members {
     Set { name: String, line: usize },
     /// The nodes of an element set.
     OfElements { name: String, line: usize },
+}
+
+impl Members {
+    /// Where they stand.
+    pub fn line(&self) -> usize {
+        match self {
+            Members::Section { line, .. }
+            | Members::Range { line, .. }
+            | Members::Set { line, .. }
+            | Members::OfElements { line, .. } => *line,
+            Members::Labels(list) => list.last().map_or(0, |(_, line)| *line as usize),
+        }
+    }
 }
 
 pub struct RawMaterial {

@@ -1,11 +1,12 @@
 //! First pass: what each keyword opens.
 
-use super::keywords::pass_over;
-use super::lines::{Keyword, Lines, shortened};
-use super::properties::{read_density, read_elastic, read_material, read_solid_section};
+use super::Reading;
+use super::keywords::{PROPERTIES, pass_over, say_passed_over};
+use super::lines::{Keyword, Lines, shortened, unquoted};
+use super::properties::{read_density, read_elastic, read_material, read_solid_section, read_surface_section};
 use super::raw::Raw;
 use super::source::Source;
-use super::step::{read_boundary, read_step};
+use super::step::{Place, read_boundary, read_step};
 use super::surfaces::read_surface;
 use super::topology::{read_elements, read_nodes, read_set};
 use crate::mesh::{MeshError, Warning};
@@ -22,11 +23,14 @@ pub enum Purpose {
 }
 
 /// Everything that stands in a file.
-pub fn collect(source: &Source, purpose: Purpose, plain_bricks: bool) -> Result<Raw> {
+pub fn collect(source: &Source, purpose: Purpose, how: Reading) -> Result<Raw> {
     let mut lines = Lines::new(source);
     let mut raw = Raw::default();
     loop {
         if let Some((line, data)) = lines.next_data() {
+            if data.starts_with("$MeshFormat") {
+                return Err(MeshError::OtherFormat { spot: lines.spot(line), seen: "a Gmsh mesh", extension: "msh" });
+            }
             return Err(MeshError::StrayData { spot: lines.spot(line), seen: shortened(data) });
         }
         let Some(keyword) = lines.next_keyword() else {
@@ -35,19 +39,29 @@ pub fn collect(source: &Source, purpose: Purpose, plain_bricks: bool) -> Result<
         match keyword.name.as_str() {
             "HEADING" => lines.skip_data(),
             "NODE" => read_nodes(&keyword, &mut lines, &mut raw)?,
-            "ELEMENT" => read_elements(&keyword, plain_bricks, &mut lines, &mut raw)?,
+            "ELEMENT" => read_elements(&keyword, how.plain_bricks, &mut lines, &mut raw)?,
             "NSET" => read_set(&keyword, "NSET", &mut lines, &mut raw.node_sets)?,
             "ELSET" => read_set(&keyword, "ELSET", &mut lines, &mut raw.element_sets)?,
             "MATERIAL" => read_material(&keyword, &lines, &mut raw)?,
+            name if how.other_material && PROPERTIES.contains(&name) => lines.skip_data(),
             "ELASTIC" => read_elastic(&keyword, &mut lines, &mut raw)?,
             "DENSITY" => read_density(&keyword, &mut lines, &mut raw)?,
             "SOLIDSECTION" => read_solid_section(&keyword, &mut lines, &mut raw)?,
+            "SURFACESECTION" => read_surface_section(&keyword, &mut lines)?,
             "SURFACE" => read_surface(&keyword, &mut lines, &mut raw)?,
-            "BOUNDARY" => read_boundary(&keyword, &mut lines, &mut raw)?,
+            "BOUNDARY" => read_boundary(&keyword, Place::Model, &mut lines, &mut raw)?,
             "STEP" if purpose == Purpose::Deck && raw.frequency.is_none() => read_step(&keyword, &mut lines, &mut raw)?,
             "STEP" => skip_step(&keyword, purpose, &mut lines, &mut raw)?,
+            "INITIALCONDITIONS" if is_temperature(&keyword) => say_passed_over(&keyword, "mesh", &mut lines, &mut raw),
+            // The modes of a deck are those without damping, as CalculiX and Abaqus compute them.
+            "DAMPING" if purpose == Purpose::Deck => say_passed_over(&keyword, "modes", &mut lines, &mut raw),
             _ => pass_over(&keyword, "mesh", &mut lines, &mut raw)?,
         }
+    }
+    if how.other_material && !raw.materials.is_empty() {
+        let text =
+            "the materials of the file are passed over; the machine file or the matrices say what the part is made of";
+        raw.warnings.push(Warning { line: 0, text: text.to_owned() });
     }
     if source.ends_without_line_end() {
         let text = "the file does not end in a line end; it may be cut off".to_owned();
@@ -56,24 +70,9 @@ pub fn collect(source: &Source, purpose: Purpose, plain_bricks: bool) -> Result<
     Ok(raw)
 }
 
-/// Refuses parameters other than `known`.
-pub fn check_parameters(
-    keyword: &Keyword<'_>,
-    name: &'static str,
-    known: &[&str],
-    allowed: &'static str,
-    lines: &Lines<'_>,
-) -> Result<()> {
-    let Some((parameter, _)) = keyword.parameters.iter().find(|(p, _)| !known.contains(&p.as_str())) else {
-        return Ok(());
-    };
-    Err(MeshError::Parameter {
-        spot: lines.spot(keyword.line),
-        keyword: name,
-        seen: format!("the parameter {parameter} is not supported"),
-        allowed,
-        advice: "remove it if it does not matter",
-    })
+/// Whether `*INITIAL CONDITIONS` gives temperatures, on which no material that is read depends.
+fn is_temperature(keyword: &Keyword<'_>) -> bool {
+    keyword.get("TYPE").is_some_and(|kind| kind.eq_ignore_ascii_case("TEMPERATURE"))
 }
 
 /// The value of a parameter that must be there.
@@ -84,7 +83,18 @@ pub fn need<'a>(
     allowed: &'static str,
     lines: &Lines<'_>,
 ) -> Result<&'a str> {
-    keyword.get(parameter).filter(|value| !value.is_empty()).ok_or_else(|| MeshError::Parameter {
+    need_name(keyword, name, parameter, allowed, lines).map(unquoted)
+}
+
+/// The name that a parameter must give, with its quotes.
+pub fn need_name<'a>(
+    keyword: &Keyword<'a>,
+    name: &'static str,
+    parameter: &str,
+    allowed: &'static str,
+    lines: &Lines<'_>,
+) -> Result<&'a str> {
+    keyword.name(parameter).filter(|value| !unquoted(value).trim().is_empty()).ok_or_else(|| MeshError::Parameter {
         spot: lines.spot(keyword.line),
         keyword: name,
         seen: format!("the parameter {parameter} is missing"),

@@ -1,12 +1,13 @@
 //! Named sets, from labels, ranges and other sets.
 
 use super::assemble::Element;
+use super::lines::{key, told_apart, unquoted};
 use super::raw::{Members, RawSet};
 use super::source::Source;
 use crate::machine::nearest;
 use crate::mesh::labels::Labels;
 use crate::mesh::{MeshError, Spot, Warning};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 type Result<T> = std::result::Result<T, MeshError>;
 
@@ -15,12 +16,12 @@ type Result<T> = std::result::Result<T, MeshError>;
 pub const MOST_MEMBERS: usize = 1_000_000;
 pub const MOST_MEMBERS_PER_LABEL: usize = 200;
 
-/// Sets by their name in upper case.
+/// Sets by the key of their name.
 pub struct Sets(HashMap<String, Set>);
 
 struct Set {
-    /// The spelling that came first.
-    spelling: String,
+    /// The name as it came first, with its quotes.
+    name: String,
     /// Indices; ascending and without duplicates only up to `sorted`.
     members: Vec<u32>,
     sorted: usize,
@@ -44,31 +45,17 @@ impl Set {
 impl Sets {
     /// The members of a set.
     pub fn get(&self, name: &str) -> Option<&[u32]> {
-        self.0.get(&name.to_uppercase()).map(|set| set.members.as_slice())
+        self.0.get(&key(name)).map(|set| set.members.as_slice())
     }
 
-    /// Names with their members.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, &[u32])> {
-        self.0.values().map(|set| (set.spelling.as_str(), set.members.as_slice()))
-    }
-
-    /// Adds the sets whose names are not taken; members are ascending without duplicates.
-    pub fn add_missing(&mut self, sets: Vec<(String, Vec<u32>)>) {
-        for (name, members) in sets {
-            let sorted = members.len();
-            self.0.entry(name.to_uppercase()).or_insert(Set { spelling: name, members, sorted });
-        }
+    /// Keys, names without quotes, and members.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str, &[u32])> {
+        self.0.iter().map(|(key, set)| (key.as_str(), unquoted(&set.name), set.members.as_slice()))
     }
 
     /// The set that `name` is probably a misspelling of.
     pub fn nearest(&self, name: &str) -> Option<String> {
-        nearest(name, self.0.values().map(|set| set.spelling.as_str())).map(str::to_owned)
-    }
-
-    /// The sets under their own names, their members renumbered in the same order, or left out.
-    pub fn named(self, keep: impl Fn(usize) -> Option<usize>) -> BTreeMap<String, Vec<usize>> {
-        let renumbered = |members: Vec<u32>| members.into_iter().filter_map(|index| keep(index as usize)).collect();
-        self.0.into_values().map(|set| (set.spelling, renumbered(set.members))).collect()
+        nearest(unquoted(name), self.0.values().map(|set| unquoted(&set.name))).map(str::to_owned)
     }
 }
 
@@ -98,14 +85,19 @@ impl<'a> Resolver<'a> {
         self.source.spot(line)
     }
 
-    /// Members of each set as ascending indices without duplicates.
-    pub fn resolve(&mut self, pieces: &[RawSet], kind: &Kind<'_>) -> Result<Sets> {
+    /// Members of each set as ascending indices without duplicates. Sets that the pieces name are those above
+    /// them, or those of `named` where there are some.
+    pub fn resolve(&mut self, pieces: &[RawSet], kind: &Kind<'_>, named: Option<&Sets>) -> Result<Sets> {
         let mut sets = Sets(HashMap::new());
         for RawSet { name, members } in pieces {
-            let added = self.piece(members, kind, name, &sets)?;
-            let entry = sets.0.entry(name.to_uppercase());
-            let new = || Set { spelling: name.clone(), members: Vec::new(), sorted: 0 };
-            entry.or_insert_with(new).extend(&added);
+            let added = self.piece(members, kind, name, named.unwrap_or(&sets))?;
+            let new = || Set { name: name.clone(), members: Vec::new(), sorted: 0 };
+            let set = sets.0.entry(key(name)).or_insert_with(new);
+            if told_apart(&set.name, name) {
+                let (first, second) = (set.name.clone(), name.clone());
+                return Err(MeshError::AlmostEqualNames { spot: self.spot(members.line()), first, second });
+            }
+            set.extend(&added);
         }
         sets.0.values_mut().for_each(Set::sort);
         Ok(sets)
@@ -113,40 +105,35 @@ impl<'a> Resolver<'a> {
 
     /// Members that one piece adds to the set `name`.
     fn piece(&mut self, members: &Members, kind: &Kind<'_>, name: &str, sets: &Sets) -> Result<Vec<u32>> {
-        let (added, line) = match members {
-            Members::Section { first, end, line } => ((*first as u32..*end as u32).collect(), *line),
-            Members::Labels(list) => {
-                let last_line = list.last().map_or(0, |(_, line)| *line as usize);
-                (self.listed(list, kind, name)?, last_line)
-            }
-            Members::Range { first, last, step, line } => {
-                (self.range([*first, *last, *step], *line, kind, name)?, *line)
-            }
+        let name = unquoted(name);
+        let added = match members {
+            Members::Section { first, end, .. } => (*first as u32..*end as u32).collect(),
+            Members::Labels(list) => self.listed(list, kind, name)?,
+            Members::Range { first, last, step, line } => self.range([*first, *last, *step], *line, kind, name)?,
             Members::Set { name: other, line } => {
                 let added = sets.get(other).ok_or_else(|| MeshError::UnknownName {
                     spot: self.spot(*line),
                     kind: if kind.name == "node" { "node set above" } else { "element set above" },
-                    name: other.clone(),
+                    name: unquoted(other).to_owned(),
                     nearest: sets.nearest(other),
                 })?;
-                (added.to_vec(), *line)
+                added.to_vec()
             }
             Members::OfElements { name: other, line } => {
                 let found = kind.elements.and_then(|(elements, sets)| Some((elements, sets.get(other)?)));
                 let (elements, members) = found.ok_or_else(|| MeshError::UnknownName {
                     spot: self.spot(*line),
                     kind: "element set",
-                    name: other.clone(),
+                    name: unquoted(other).to_owned(),
                     nearest: kind.elements.and_then(|(_, sets)| sets.nearest(other)),
                 })?;
-                let nodes = members.iter().flat_map(|&i| &elements[i as usize].nodes).map(|&node| node as u32);
-                (nodes.collect(), *line)
+                members.iter().flat_map(|&i| &elements[i as usize].nodes).map(|&node| node as u32).collect()
             }
         };
         self.members += added.len();
         let limit = MOST_MEMBERS.max(MOST_MEMBERS_PER_LABEL * kind.labels.len());
         if self.members > limit {
-            return Err(MeshError::TooManyMembers { spot: self.spot(line), limit });
+            return Err(MeshError::TooManyMembers { spot: self.spot(members.line()), limit });
         }
         Ok(added)
     }

@@ -2,7 +2,7 @@
 //!
 //! Lines are numbered through the whole; [`Source::spot`] finds file and line of a number again.
 
-use super::lines::{canonical, parameters};
+use super::lines::{canonical, parameters, split, unquoted};
 use crate::mesh::{MeshError, Spot};
 use std::path::{Path, PathBuf};
 
@@ -154,7 +154,7 @@ fn includes(text: &str) -> Vec<Include> {
         at += line.len();
         let trimmed = line.trim();
         let Some(rest) = trimmed.strip_prefix('*') else { continue };
-        let mut fields = rest.split(',');
+        let mut fields = split(rest);
         if canonical(fields.next().unwrap_or_default()) != "INCLUDE" {
             continue;
         }
@@ -165,12 +165,12 @@ fn includes(text: &str) -> Vec<Include> {
         {
             at += next.len();
             taken += 1;
-            all.extend(parameters(next.trim().split(',')));
+            all.extend(parameters(split(next.trim())));
         }
         let path = all
             .into_iter()
             .find(|(name, _)| name == "INPUT")
-            .map(|(_, value)| value.to_owned())
+            .map(|(_, value)| unquoted(value).to_owned())
             .filter(|v| !v.is_empty());
         found.push(Include { line: number + 1, lines: taken, begins, ends: at, path });
     }

@@ -1,11 +1,11 @@
 //! Displacements held, and the frequency step of a deck.
 
-use super::keywords::pass_over;
+use super::keywords::{pass_over, say_passed_over};
 use super::lines::{Keyword, Lines, bad_value, fields, number};
+use super::parameters::{Neutral, check_parameters};
 use super::raw::{FrequencyStep, Raw, RawBoundary};
-use super::sections::check_parameters;
 use super::surfaces::target;
-use crate::mesh::MeshError;
+use crate::mesh::{MeshError, Warning};
 
 type Result<T> = std::result::Result<T, MeshError>;
 
@@ -21,19 +21,45 @@ const NAMED: [(&str, [bool; 3]); 8] = [
     ("ZASYMM", [true, true, false]),
 ];
 
-/// Reads `*BOUNDARY`: node or node set, first and last direction, and no value but zero.
-pub fn read_boundary(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    const ALLOWED: &str = "OP=MOD, TYPE=DISPLACEMENT";
-    check_parameters(keyword, "BOUNDARY", &["OP", "TYPE"], ALLOWED, lines)?;
-    for (parameter, allowed) in [("OP", "MOD"), ("TYPE", "DISPLACEMENT")] {
-        if let Some(seen) = keyword.get(parameter).filter(|seen| !seen.eq_ignore_ascii_case(allowed)) {
-            return Err(MeshError::Parameter {
-                spot: lines.spot(keyword.line),
-                keyword: "BOUNDARY",
-                seen: format!("{parameter}={seen} is not supported"),
-                allowed: ALLOWED,
-                advice: "write all that is held before the steps",
-            });
+/// Whether `*BOUNDARY` stands before the steps, or which in the first step it is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    Model,
+    /// In the step: held displacements that were there before it.
+    Step(usize),
+}
+
+/// Reads `*BOUNDARY`: node or node set, first and last direction, and no value but zero. OP=NEW in a step lets go
+/// what was held before the step; an amplitude scales values, which are zero.
+pub fn read_boundary(keyword: &Keyword<'_>, place: Place, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
+    const ALLOWED: &str = "OP=MOD or, in a step, OP=NEW, TYPE=DISPLACEMENT, AMPLITUDE";
+    const NEUTRAL: [Neutral; 6] = [
+        ("OP", &["MOD", "NEW"]),
+        ("TYPE", &["DISPLACEMENT"]),
+        ("AMPLITUDE", &[]),
+        ("TIMEDELAY", &[]),
+        ("FIXED", &[]),
+        ("LOADCASE", &["1"]),
+    ];
+    check_parameters(keyword, "BOUNDARY", &[], &NEUTRAL, ALLOWED, lines)?;
+    if keyword.get("OP").is_some_and(|op| op.eq_ignore_ascii_case("NEW")) {
+        match place {
+            Place::Model if !raw.boundaries.is_empty() => {
+                return Err(MeshError::Parameter {
+                    spot: lines.spot(keyword.line),
+                    keyword: "BOUNDARY",
+                    seen: "OP=NEW before the steps, after other held displacements".into(),
+                    allowed: ALLOWED,
+                    advice: "write all that is held before the steps, without OP",
+                });
+            }
+            Place::Step(before) if before > 0 && !raw.let_go => {
+                raw.boundaries.drain(..before);
+                raw.let_go = true;
+                let text = "OP=NEW lets go what *BOUNDARY held before the step".to_owned();
+                raw.warnings.push(Warning { line: keyword.line, text });
+            }
+            _ => {}
         }
     }
     while let Some((line, data)) = lines.next_data() {
@@ -65,8 +91,22 @@ pub fn read_boundary(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw
 
 /// Reads the first step of a deck, which must compute frequencies of the model at rest.
 pub fn read_step(step: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    check_parameters(step, "STEP", &["INC", "NAME", "PERTURBATION"], "INC, NAME, PERTURBATION", lines)?;
+    const ALLOWED: &str = "INC, NAME, PERTURBATION, NLGEOM=NO, AMPLITUDE";
+    // How a load grows and how many increments a step may take mean nothing to frequencies.
+    const NEUTRAL: [Neutral; 9] = [
+        ("INC", &[]),
+        ("INCF", &[]),
+        ("NAME", &[]),
+        ("PERTURBATION", &[]),
+        ("NLGEOM", &["NO", "OFF"]),
+        ("UNSYMM", &["NO", "OFF"]),
+        ("AMPLITUDE", &[]),
+        ("EXTRAPOLATION", &[]),
+        ("CONVERTSDI", &[]),
+    ];
+    check_parameters(step, "STEP", &[], &NEUTRAL, ALLOWED, lines)?;
     lines.skip_data();
+    let before = raw.boundaries.len();
     let mut frequency = None;
     loop {
         let Some(keyword) = lines.next_keyword() else {
@@ -76,7 +116,7 @@ pub fn read_step(step: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Re
         match keyword.name.as_str() {
             "ENDSTEP" => break,
             "FREQUENCY" if frequency.is_none() => frequency = Some(read_frequency(&keyword, lines)?),
-            "BOUNDARY" => read_boundary(&keyword, lines, raw)?,
+            "BOUNDARY" => read_boundary(&keyword, Place::Step(before), lines, raw)?,
             name if PROCEDURES.contains(&name) => {
                 return Err(MeshError::Deck {
                     spot: lines.spot(keyword.line),
@@ -86,6 +126,8 @@ pub fn read_step(step: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Re
                     ),
                 });
             }
+            // CalculiX adds the stress of a step's own loads to the stiffness if the step is a perturbation, else not.
+            "CLOAD" | "DLOAD" if step.get("PERTURBATION").is_none() => say_passed_over(&keyword, "modes", lines, raw),
             _ => pass_over(&keyword, "modes", lines, raw)?,
         }
     }
@@ -113,8 +155,21 @@ const PROCEDURES: &[&str] = &[
 ];
 
 fn read_frequency(keyword: &Keyword<'_>, lines: &mut Lines<'_>) -> Result<FrequencyStep> {
-    const ALLOWED: &str = "SOLVER, STORAGE, EIGENSOLVER, NORMALIZATION";
-    check_parameters(keyword, "FREQUENCY", &["SOLVER", "STORAGE", "EIGENSOLVER", "NORMALIZATION"], ALLOWED, lines)?;
+    const ALLOWED: &str = "SOLVER, STORAGE, EIGENSOLVER, NORMALIZATION, SIM, ACOUSTIC COUPLING, DAMPING PROJECTION";
+    // How the modes are computed, scaled and stored. Acoustic elements, whose coupling would count, are refused.
+    const NEUTRAL: [Neutral; 10] = [
+        ("SOLVER", &[]),
+        ("STORAGE", &[]),
+        ("GLOBAL", &[]),
+        ("EIGENSOLVER", &["LANCZOS", "SUBSPACE", "AMS"]),
+        ("NORMALIZATION", &["MASS", "DISPLACEMENT"]),
+        ("SIM", &["", "NO", "YES"]),
+        ("ACOUSTICCOUPLING", &["ON", "OFF", "PROJECTION"]),
+        ("DAMPINGPROJECTION", &["ON", "OFF"]),
+        ("RESIDUALMODES", &["NO", "OFF"]),
+        ("NSET", &[]),
+    ];
+    check_parameters(keyword, "FREQUENCY", &[], &NEUTRAL, ALLOWED, lines)?;
     const FORM: &str = "a number of modes (1 to 100000), and the lowest and highest frequency or nothing";
     let Some((line, data)) = lines.next_data() else {
         return bad_value(lines.spot(keyword.line), "FREQUENCY", "", FORM);

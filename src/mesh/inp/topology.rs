@@ -1,14 +1,15 @@
 //! Sections of nodes, elements and sets.
 
-use super::lines::{Keyword, Lines, bad_value, fields, label, number};
+use super::lines::{Keyword, Lines, bad_value, fields, is_name, label, number, unquoted};
+use super::parameters::check_parameters;
 use super::raw::{Members, Raw, RawCell, RawKind, RawNode, RawSet};
-use super::sections::{check_parameters, need};
+use super::sections::{need, need_name};
 use crate::mesh::{CellKind, MeshError, Warning};
 
 type Result<T> = std::result::Result<T, MeshError>;
 
 pub fn read_nodes(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    check_parameters(keyword, "NODE", &["NSET"], "NSET", lines)?;
+    check_parameters(keyword, "NODE", &["NSET"], &[("SYSTEM", &["R"])], "NSET, SYSTEM=R", lines)?;
     let first = raw.nodes.len();
     while let Some((line, data)) = lines.next_data() {
         let mut values = fields(data);
@@ -29,7 +30,7 @@ pub fn read_nodes(keyword: &Keyword<'_>, lines: &mut Lines<'_>, raw: &mut Raw) -
 
 pub fn read_elements(keyword: &Keyword<'_>, plain_bricks: bool, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
     const ALLOWED: &str = "TYPE (C3D4, C3D6, C3D8, C3D8I, C3D10, C3D15, C3D20 or C3D20R), ELSET";
-    check_parameters(keyword, "ELEMENT", &["TYPE", "ELSET"], ALLOWED, lines)?;
+    check_parameters(keyword, "ELEMENT", &["TYPE", "ELSET"], &[], ALLOWED, lines)?;
     let name = need(keyword, "ELEMENT", "TYPE", ALLOWED, lines)?;
     let kind = find_kind(name).ok_or_else(|| MeshError::Parameter {
         spot: lines.spot(keyword.line),
@@ -58,28 +59,66 @@ fn find_kind(name: &str) -> Option<RawKind> {
     if let Some(kind) = CellKind::ALL.into_iter().find(|kind| kind.name().eq_ignore_ascii_case(name)) {
         return Some(RawKind::Solid(kind));
     }
-    let carrier = CARRIERS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
-    carrier.map(|&(known, nodes)| RawKind::Carrier(known, nodes))
+    let line = LINES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+    let face = FACES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+    line.map(|&(known, nodes)| RawKind::Line(known, nodes)).or(face.map(|&(known, nodes)| RawKind::Face(known, nodes)))
 }
 
-/// Line and surface elements with their nodes. Without a section they only make sets.
-const CARRIERS: [(&str, usize); 16] = [
-    ("T3D2", 2),
-    ("T3D3", 3),
-    ("B31", 2),
-    ("B32", 3),
+/// Line elements with their nodes. Without a section they only make sets.
+const LINES: [(&str, usize); 9] =
+    [("T2D2", 2), ("T3D2", 2), ("T3D3", 3), ("B21", 2), ("B31", 2), ("B31R", 2), ("B32", 3), ("B32R", 3), ("R2D2", 2)];
+
+/// Two-dimensional elements with their nodes: plane stress and strain, axisymmetric, shells, membranes, surface
+/// and rigid elements. Without a section they mark faces of solids. Corners come first.
+const FACES: [(&str, usize); 48] = [
     ("CPS3", 3),
     ("CPS4", 4),
+    ("CPS4R", 4),
+    ("CPS4I", 4),
     ("CPS6", 6),
+    ("CPS6M", 6),
     ("CPS8", 8),
+    ("CPS8R", 8),
+    ("CPS9", 9),
     ("CPE3", 3),
     ("CPE4", 4),
+    ("CPE4R", 4),
+    ("CPE4I", 4),
     ("CPE6", 6),
+    ("CPE6M", 6),
     ("CPE8", 8),
+    ("CPE8R", 8),
+    ("CPE9", 9),
+    ("CAX3", 3),
+    ("CAX4", 4),
+    ("CAX4R", 4),
+    ("CAX6", 6),
+    ("CAX8", 8),
+    ("CAX8R", 8),
     ("S3", 3),
+    ("S3R", 3),
+    ("STRI3", 3),
     ("S4", 4),
+    ("S4R", 4),
     ("S6", 6),
+    ("STRI65", 6),
     ("S8", 8),
+    ("S8R", 8),
+    ("S9R5", 9),
+    ("M3D3", 3),
+    ("M3D4", 4),
+    ("M3D4R", 4),
+    ("M3D6", 6),
+    ("M3D8", 8),
+    ("M3D8R", 8),
+    ("M3D9", 9),
+    ("SFM3D3", 3),
+    ("SFM3D4", 4),
+    ("SFM3D4R", 4),
+    ("SFM3D6", 6),
+    ("SFM3D8", 8),
+    ("R3D3", 3),
+    ("R3D4", 4),
 ];
 
 /// What the user should know of a type.
@@ -92,7 +131,8 @@ fn remark(name: &str, kind: RawKind) -> Option<String> {
             "C3D8 is read as C3D8I, the brick with incompatible modes; the plain one is too stiff in bending".into(),
         ),
         RawKind::Solid(CellKind::Hex8) => Some("C3D8, the plain brick, is far too stiff in bending".into()),
-        RawKind::Carrier(name, _) => Some(format!("{name} elements are no solids: they only make sets")),
+        RawKind::Face(name, _) => Some(format!("{name} elements are no solids: they mark faces of solids")),
+        RawKind::Line(name, _) => Some(format!("{name} elements are no solids: they only make sets")),
         RawKind::Solid(_) => None,
     }
 }
@@ -152,7 +192,7 @@ fn read_element(
 
 /// Adds the nodes or elements of a section to the set that its keyword names.
 fn add_section_set(keyword: &Keyword<'_>, parameter: &str, first: usize, end: usize, sets: &mut Vec<RawSet>) {
-    if let Some(name) = keyword.get(parameter).filter(|name| !name.is_empty()) {
+    if let Some(name) = keyword.name(parameter).filter(|name| !unquoted(name).is_empty()) {
         let members = Members::Section { first, end, line: keyword.line };
         sets.push(RawSet { name: name.to_owned(), members });
     }
@@ -169,12 +209,13 @@ pub fn read_set(
         keyword,
         kind,
         &[kind, "GENERATE", "INTERNAL", "UNSORTED", if kind == "NSET" { "ELSET" } else { kind }],
+        &[],
         allowed,
         lines,
     )?;
-    let name = need(keyword, kind, kind, allowed, lines)?;
+    let name = need_name(keyword, kind, kind, allowed, lines)?;
     let mut push = |members| sets.push(RawSet { name: name.to_owned(), members });
-    if let Some(elements) = keyword.get("ELSET").filter(|_| kind == "NSET") {
+    if let Some(elements) = keyword.name("ELSET").filter(|_| kind == "NSET") {
         push(Members::OfElements { name: elements.to_owned(), line: keyword.line });
     }
     let mut labels = Vec::new();
@@ -186,9 +227,7 @@ pub fn read_set(
         for field in fields(data) {
             match label(field) {
                 Some(label) => labels.push((label, line as u32)),
-                None if field.starts_with(|c: char| c.is_alphabetic() || c == '_') => {
-                    push(Members::Set { name: field.to_owned(), line });
-                }
+                None if is_name(field) => push(Members::Set { name: field.to_owned(), line }),
                 None => {
                     return bad_value(lines.spot(line), kind, field, "labels from 1 on, or names of sets");
                 }

@@ -6,8 +6,41 @@ use crate::mesh::CellKind;
 pub enum Kind {
     /// A solid: Abaqus's node k is Gmsh's node `order[k]`.
     Solid(CellKind, &'static [usize]),
-    /// A point, line or surface of so many nodes, which only sets are made of.
-    Carrier(usize),
+    /// A triangle or quadrilateral of so many nodes, which marks a face of a solid.
+    Face(usize),
+    /// A point of so many nodes, which only sets are made of.
+    Point(usize),
+    /// A line of so many nodes, which only sets are made of.
+    Line(usize),
+}
+
+impl Kind {
+    /// Nodes of the element.
+    pub fn node_count(&self) -> usize {
+        match self {
+            Kind::Solid(kind, _) => kind.node_count(),
+            Kind::Face(count) | Kind::Point(count) | Kind::Line(count) => *count,
+        }
+    }
+
+    /// Dimension of the element, which is that of its physical groups.
+    pub fn dimension(&self) -> u8 {
+        match self {
+            Kind::Solid(..) => 3,
+            Kind::Face(_) => 2,
+            Kind::Line(_) => 1,
+            Kind::Point(_) => 0,
+        }
+    }
+
+    /// Corners of a triangle or quadrilateral, which are its first nodes.
+    pub fn face_corners(&self) -> Option<usize> {
+        match self {
+            Kind::Face(3 | 6) => Some(3),
+            Kind::Face(_) => Some(4),
+            _ => None,
+        }
+    }
 }
 
 const FIRST: [usize; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
@@ -24,13 +57,15 @@ pub fn find(number: u64) -> Result<Kind, &'static str> {
         11 => Kind::Solid(CellKind::Tet10, &TET_10),
         17 => Kind::Solid(CellKind::Hex20, &HEX_20),
         18 => Kind::Solid(CellKind::Wedge15, &WEDGE_15),
-        15 => Kind::Carrier(1),
-        1 => Kind::Carrier(2),
-        2 | 8 => Kind::Carrier(3),
-        3 | 26 => Kind::Carrier(4),
-        9 => Kind::Carrier(6),
-        16 => Kind::Carrier(8),
-        10 => Kind::Carrier(9),
+        15 => Kind::Point(1),
+        1 => Kind::Line(2),
+        8 => Kind::Line(3),
+        26 => Kind::Line(4),
+        2 => Kind::Face(3),
+        3 => Kind::Face(4),
+        9 => Kind::Face(6),
+        16 => Kind::Face(8),
+        10 => Kind::Face(9),
         7 | 14 | 19 => {
             return Err("tetrahedra, bricks and wedges; this is a pyramid, mesh without transitions to bricks");
         }

@@ -87,7 +87,18 @@ impl<'a> Lines<'a> {
         const SECTION: &str = "MeshFormat";
         match self.next() {
             Some("$MeshFormat") => {}
-            other => return Err(self.refuse(SECTION, other.unwrap_or_default(), "$MeshFormat as the first line")),
+            Some(line) if line.starts_with('*') => {
+                let allowed = "a Gmsh mesh; this is an Abaqus or CalculiX input file: rename it to end in .inp";
+                return Err(self.refuse(SECTION, line, allowed));
+            }
+            Some("$NOD") => {
+                let allowed = "version 2.2 or 4.1, not 1.0; save it with Mesh.MshFileVersion = 4.1";
+                return Err(self.refuse(SECTION, "$NOD", allowed));
+            }
+            other => {
+                let allowed = "$MeshFormat as the first line of a Gmsh mesh; save it by Gmsh, or name another file";
+                return Err(self.refuse(SECTION, other.unwrap_or_default(), allowed));
+            }
         }
         let line = self.need(SECTION)?;
         let mut words = line.split_whitespace();

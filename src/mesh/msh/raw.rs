@@ -2,8 +2,10 @@
 
 use super::elements::Kind;
 use crate::machine::MeshUnits;
+use crate::mesh::doubled::{Clash, merge};
 use crate::mesh::labels::Labels;
-use crate::mesh::{Cell, CellKind, Mesh, MeshError, MeshFile, Spot, Warning};
+use crate::mesh::named::loose_faces;
+use crate::mesh::{Cell, CellKind, FaceElement, Mesh, MeshError, MeshFile, Namesake, Spot, Warning};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
@@ -30,7 +32,23 @@ pub struct RawElement {
     pub label: u64,
     pub line: usize,
     pub groups: Vec<Group>,
+    /// Number of the geometrical entity that it belongs to, if the file says it.
+    pub entity: Option<i64>,
 }
+
+/// What the physical groups of one name and one dimension hold.
+#[derive(Default)]
+struct Members {
+    /// Nodes by their place in the file, in any order.
+    nodes: Vec<usize>,
+    /// Labels of triangles and quadrilaterals, with their corners by place in the file.
+    faces: Vec<(u64, Vec<usize>)>,
+    /// Volumes, by their place among those of the file.
+    cells: Vec<usize>,
+}
+
+/// Groups by their name and dimension.
+type Groups = BTreeMap<(String, u8), Members>;
 
 impl Raw {
     /// The mesh, in metres.
@@ -43,17 +61,11 @@ impl Raw {
         })?;
         let mut warnings = Vec::new();
         let mut said = HashSet::new();
-        let mut sets: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-        let mut mesh = Mesh::default();
-        // A volume in several groups stands several times in a file of version 2.2.
-        let mut seen: HashMap<Vec<usize>, usize> = HashMap::new();
-        let mut used = vec![false; self.nodes.len()];
+        let mut groups = Groups::new();
+        let (mut cells, mut of_cell) = (Vec::new(), Vec::new());
         let mut rest = self.element_nodes.as_slice();
         for element in &self.elements {
-            let count = match element.kind {
-                Kind::Solid(kind, _) => kind.node_count(),
-                Kind::Carrier(count) => count,
-            };
+            let count = element.kind.node_count();
             let (own, others) = rest.split_at(count);
             rest = others;
             let mut nodes = Vec::with_capacity(count);
@@ -74,7 +86,14 @@ impl Raw {
                 });
             }
             for group in &element.groups {
-                sets.entry(self.name(*group)).or_default().extend(&nodes);
+                let members = groups.entry((self.name(*group), group.0)).or_default();
+                members.nodes.extend(&nodes);
+                if let Some(corners) = element.kind.face_corners() {
+                    members.faces.push((element.label, nodes[..corners].to_vec()));
+                }
+                if let Kind::Solid(..) = element.kind {
+                    members.cells.push(cells.len());
+                }
             }
             let Kind::Solid(kind, order) = element.kind else { continue };
             let kind = if kind == CellKind::Hex8 && !plain_bricks { CellKind::Hex8Incompatible } else { kind };
@@ -82,38 +101,35 @@ impl Raw {
                 warnings.push(Warning { line: element.line, text: text.to_owned() });
             }
             let nodes: Vec<usize> = order.iter().map(|&k| nodes[k]).collect();
-            let next = mesh.cells.len();
-            let cell = *seen.entry(nodes.clone()).or_insert(next);
-            for group in &element.groups {
-                let members = mesh.element_sets.entry(self.name(*group)).or_default();
-                if members.last() != Some(&cell) {
-                    members.push(cell);
-                }
-            }
-            if cell == next {
-                nodes.iter().for_each(|&node| used[node] = true);
-                mesh.cells.push(Cell { kind, label: element.label, nodes, material: None });
-            }
+            cells.push(Cell { kind, label: element.label, nodes, material: None });
+            of_cell.push(element);
         }
-        if mesh.cells.is_empty() {
+        if cells.is_empty() {
             return Err(MeshError::NoElements { file: file.to_path_buf() });
         }
-        self.keep_used_nodes(&mut mesh, sets, &used, units, &mut warnings);
-        for members in mesh.element_sets.values_mut() {
-            members.sort_unstable();
-            members.dedup();
-        }
+        // Version 2.2 writes a volume that is in several groups several times: in one place, once for each group.
+        let expected = |second: usize, first: usize| {
+            let (first, second): (&RawElement, &RawElement) = (of_cell[first], of_cell[second]);
+            let apart = !second.groups.is_empty() && !second.groups.iter().any(|group| first.groups.contains(group));
+            first.entity == second.entity && apart
+        };
+        let merged = merge(cells, expected).map_err(|Clash { first, second, difference }| MeshError::Coincident {
+            spot: spot(of_cell[second].line),
+            first: of_cell[first].label,
+            second: of_cell[second].label,
+            difference,
+        })?;
+        warnings.extend(merged.warning.map(|(cell, text)| Warning { line: of_cell[cell].line, text }));
+        let mut mesh = Mesh { cells: merged.cells, ..Mesh::default() };
+        let place = self.keep_used_nodes(&mut mesh, units, &mut warnings);
+        name_groups(&mut mesh, groups, &place, &merged.place, &mut warnings);
         Ok(MeshFile { mesh, warnings })
     }
 
-    fn keep_used_nodes(
-        &self,
-        mesh: &mut Mesh,
-        sets: BTreeMap<String, Vec<usize>>,
-        used: &[bool],
-        units: MeshUnits,
-        warnings: &mut Vec<Warning>,
-    ) {
+    /// Renumbers the nodes of the cells without those that no cell uses; the new place of each node of the file.
+    fn keep_used_nodes(&self, mesh: &mut Mesh, units: MeshUnits, warnings: &mut Vec<Warning>) -> Vec<Option<usize>> {
+        let mut used = vec![false; self.nodes.len()];
+        mesh.cells.iter().flat_map(|cell| &cell.nodes).for_each(|&node| used[node] = true);
         let mut place = vec![None; used.len()];
         for (node, (label, at, _)) in self.nodes.iter().enumerate().filter(|(node, _)| used[*node]) {
             place[node] = Some(mesh.nodes.len());
@@ -129,18 +145,54 @@ impl Raw {
         for node in mesh.cells.iter_mut().flat_map(|cell| &mut cell.nodes) {
             *node = place[*node].expect("every node of a cell is used");
         }
-        for (name, members) in sets {
-            let mut members: Vec<usize> = members.into_iter().filter_map(|node| place[node]).collect();
-            members.sort_unstable();
-            members.dedup();
-            mesh.node_sets.insert(name, members);
-        }
+        place
     }
 
     fn name(&self, group: Group) -> String {
-        let kinds = ["Point", "Curve", "Surface", "Volume"];
-        let unnamed = || format!("Physical{}{}", kinds[usize::from(group.0.min(3))], group.1);
+        let unnamed = || format!("Physical{}{}", DIMENSIONS[usize::from(group.0.min(3))], group.1);
         self.names.get(&group).cloned().unwrap_or_else(unnamed)
+    }
+}
+
+/// What Gmsh calls points, curves, surfaces and volumes.
+const DIMENSIONS: [&str; 4] = ["Point", "Curve", "Surface", "Volume"];
+
+/// Puts the physical groups into the mesh. Groups of one name and several dimensions stay apart.
+fn name_groups(
+    mesh: &mut Mesh,
+    groups: Groups,
+    place: &[Option<usize>],
+    place_of_cell: &[usize],
+    warnings: &mut Vec<Warning>,
+) {
+    let unique = |mut list: Vec<usize>| {
+        list.sort_unstable();
+        list.dedup();
+        list
+    };
+    let mut of_name: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+    for (name, dimension) in groups.keys() {
+        of_name.entry(name.clone()).or_default().push(*dimension);
+    }
+    for ((name, dimension), Members { nodes, faces, cells }) in groups {
+        let nodes = unique(nodes.into_iter().filter_map(|node| place[node]).collect());
+        let set = mesh.node_sets.entry(name.clone()).or_default();
+        *set = unique([std::mem::take(set), nodes.clone()].concat());
+        if dimension != 2 && of_name[&name].len() > 1 {
+            let what = format!("the physical {}", DIMENSIONS[usize::from(dimension.min(3))].to_lowercase());
+            mesh.namesakes.entry(name.clone()).or_default().push(Namesake { what, nodes });
+        }
+        if dimension == 3 {
+            let cells = unique(cells.into_iter().map(|cell| place_of_cell[cell]).collect());
+            mesh.element_sets.insert(name.clone(), cells);
+        }
+        if dimension == 2 {
+            let corners = |nodes: Vec<usize>| nodes.into_iter().map(|node| place[node]).collect();
+            let face = |(label, nodes)| FaceElement { label, corners: corners(nodes) };
+            let faces: Vec<FaceElement> = faces.into_iter().map(face).collect();
+            warnings.extend(loose_faces(&name, &faces).map(|text| Warning { line: 0, text }));
+            mesh.face_sets.insert(name, faces);
+        }
     }
 }
 

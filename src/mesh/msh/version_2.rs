@@ -1,26 +1,33 @@
 //! Sections of version 2.2.
 
-use super::elements::{Kind, find};
+use super::elements::find;
 use super::lines::Lines;
 use super::raw::{Raw, RawElement};
 use crate::mesh::MeshError;
 
 type Result<T> = std::result::Result<T, MeshError>;
 
-pub fn read_nodes(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
-    const SECTION: &str = "Nodes";
-    let count = lines.numbers::<u64>(SECTION, 1, "the number of nodes")?[0];
+/// Reads `$Nodes`, or `$ParametricNodes`, whose lines name the entity of the node and its place there as well.
+pub fn read_nodes(section: &'static str, lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
+    let parametric = section != "Nodes";
+    let count = lines.numbers::<u64>(section, 1, "the number of nodes")?[0];
     for _ in 0..count {
-        let line = lines.need(SECTION)?;
+        let line = lines.need(section)?;
         let mut words = line.split_whitespace();
         let label = words.next().and_then(|word| word.parse::<u64>().ok()).filter(|label| *label > 0);
         let at: Vec<f64> = words.map_while(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).collect();
-        let (Some(label), &[x, y, z]) = (label, at.as_slice()) else {
-            return Err(lines.refuse(SECTION, line, "a label from 1 on and three finite coordinates"));
+        let (Some(label), [x, y, z, rest @ ..]) = (label, at.as_slice()) else {
+            return Err(lines.refuse(section, line, "a label from 1 on and three finite coordinates"));
         };
-        raw.nodes.push((label, [x, y, z], lines.number));
+        // Behind the coordinates dimension and number of the entity, and up to three parameters.
+        let fits = if parametric { (2..=5).contains(&rest.len()) } else { rest.is_empty() };
+        if !fits {
+            let allowed = if parametric { "dimension, entity and parameters" } else { "nothing" };
+            return Err(lines.refuse(section, line, &format!("{allowed} behind the three coordinates")));
+        }
+        raw.nodes.push((label, [*x, *y, *z], lines.number));
     }
-    lines.end(SECTION)
+    lines.end(section)
 }
 
 pub fn read_elements(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
@@ -39,10 +46,7 @@ pub fn read_elements(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
             return Err(lines.refuse(SECTION, line, FORM));
         };
         let kind = find(u64::try_from(*kind).unwrap_or(0)).map_err(|allowed| lines.refuse(SECTION, line, allowed))?;
-        let (expected, dimension) = match kind {
-            Kind::Solid(kind, _) => (kind.node_count(), 3),
-            Kind::Carrier(count) => (count, carrier_dimension(values[1])),
-        };
+        let (expected, dimension) = (kind.node_count(), kind.dimension());
         let positive: Option<Vec<u64>> = nodes.iter().map(|n| u64::try_from(*n).ok().filter(|n| *n > 0)).collect();
         let (Some(nodes), Ok(label)) = (positive.filter(|n| n.len() == expected), u64::try_from(*label)) else {
             return Err(lines.refuse(SECTION, line, &format!("{FORM}, here {expected} node labels from 1 on")));
@@ -50,16 +54,8 @@ pub fn read_elements(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
         let physical = tags.first().and_then(|tag| u64::try_from(*tag).ok()).filter(|tag| *tag > 0);
         let groups = physical.map(|tag| vec![(dimension, tag)]).unwrap_or_default();
         raw.element_nodes.extend(nodes);
-        raw.elements.push(RawElement { kind, label, line: lines.number, groups });
+        let entity = tags.get(1).copied();
+        raw.elements.push(RawElement { kind, label, line: lines.number, groups, entity });
     }
     lines.end(SECTION)
-}
-
-/// Dimension of Gmsh's point, line and surface types.
-fn carrier_dimension(kind: i64) -> u8 {
-    match kind {
-        15 => 0,
-        1 | 8 | 26 => 1,
-        _ => 2,
-    }
 }

@@ -1,6 +1,6 @@
 //! Sections of version 4.1.
 
-use super::elements::{Kind, find};
+use super::elements::find;
 use super::lines::Lines;
 use super::raw::{Raw, RawElement};
 use crate::mesh::MeshError;
@@ -16,24 +16,52 @@ pub fn read_entities(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
         for _ in 0..count {
             let line = lines.need(SECTION)?;
             let words: Vec<&str> = line.split_whitespace().collect();
-            // A point has three coordinates, everything else a box.
-            let at = if dimension == 0 { 4 } else { 7 };
-            let groups = words.get(at).and_then(|word| word.parse::<usize>().ok());
-            let groups = groups.and_then(|n| words.get(at + 1..(at + 1).checked_add(n)?));
-            // A negative group means the entity the other way round.
-            let groups: Option<Vec<u64>> =
-                groups.and_then(|g| g.iter().map(|w| w.parse::<i64>().ok().map(i64::unsigned_abs)).collect());
-            let number = words.first().and_then(|word| word.parse::<u64>().ok());
-            let (Some(number), Some(groups)) = (number, groups) else {
-                return Err(lines.refuse(SECTION, line, FORM));
-            };
-            if !groups.is_empty() {
-                raw.entities.insert((dimension, number), groups);
-            }
+            let entity = entity(dimension, &words, 1).ok_or_else(|| lines.refuse(SECTION, line, FORM))?;
+            raw.entities.extend(entity);
         }
     }
     lines.end(SECTION)
 }
+
+/// The same of a mesh that Gmsh has partitioned: its elements belong to pieces of the entities, and a piece has
+/// the groups of the entity that it is cut from.
+pub fn read_partitioned_entities(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
+    const SECTION: &str = "PartitionedEntities";
+    const FORM: &str =
+        "an entity: number, dimension and number of its parent, partitions, coordinates or box, physical groups";
+    lines.numbers::<u64>(SECTION, 1, "the number of partitions")?;
+    let ghosts = lines.numbers::<u64>(SECTION, 1, "the number of ghost entities")?[0];
+    for _ in 0..ghosts {
+        lines.need(SECTION)?;
+    }
+    let counts = lines.numbers::<u64>(SECTION, 4, "the numbers of points, curves, surfaces and volumes")?;
+    for (dimension, count) in (0u8..4).zip(counts) {
+        for _ in 0..count {
+            let line = lines.need(SECTION)?;
+            let words: Vec<&str> = line.split_whitespace().collect();
+            // Number, dimension and number of the parent, number of partitions, partitions.
+            let partitions = words.get(3).and_then(|word| word.parse::<usize>().ok());
+            let entity = partitions.and_then(|n| entity(dimension, &words, n.checked_add(4)?));
+            raw.entities.extend(entity.ok_or_else(|| lines.refuse(SECTION, line, FORM))?);
+        }
+    }
+    lines.end(SECTION)
+}
+
+/// An entity's dimension, number and physical groups, unless it has none; its place begins at the word `place`.
+fn entity(dimension: u8, words: &[&str], place: usize) -> Option<Option<Entity>> {
+    // A point has three coordinates, everything else a box.
+    let at = place.checked_add(if dimension == 0 { 3 } else { 6 })?;
+    let count = words.get(at)?.parse::<usize>().ok()?;
+    let groups = words.get(at + 1..(at + 1).checked_add(count)?)?;
+    // A negative group means the entity the other way round.
+    let groups: Option<Vec<u64>> = groups.iter().map(|w| w.parse::<i64>().ok().map(i64::unsigned_abs)).collect();
+    let (number, groups) = (words.first()?.parse::<u64>().ok()?, groups?);
+    Some((!groups.is_empty()).then_some(((dimension, number), groups)))
+}
+
+/// Dimension and number of an entity, and its physical groups.
+type Entity = ((u8, u64), Vec<u64>);
 
 pub fn read_nodes(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
     const SECTION: &str = "Nodes";
@@ -80,10 +108,7 @@ pub fn read_elements(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
         for _ in 0..count {
             let found = find(kind);
             let kind = found.map_err(|allowed| lines.refuse(SECTION, &format!("element type {kind}"), allowed))?;
-            let expected = match kind {
-                Kind::Solid(kind, _) => kind.node_count(),
-                Kind::Carrier(count) => count,
-            };
+            let expected = kind.node_count();
             let values = lines.numbers::<u64>(SECTION, 1, "a label and node labels")?;
             let (label, nodes) = (values[0], &values[1..]);
             if nodes.len() != expected || nodes.contains(&0) {
@@ -91,7 +116,8 @@ pub fn read_elements(lines: &mut Lines<'_>, raw: &mut Raw) -> Result<()> {
                 return Err(lines.refuse(SECTION, &seen, &format!("{expected} node labels from 1 on")));
             }
             raw.element_nodes.extend(nodes);
-            raw.elements.push(RawElement { kind, label, line: lines.number, groups: groups.clone() });
+            let entity = i64::try_from(entity).ok();
+            raw.elements.push(RawElement { kind, label, line: lines.number, groups: groups.clone(), entity });
         }
     }
     lines.end(SECTION)
