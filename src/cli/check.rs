@@ -27,6 +27,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     let mut centroids = Vec::new();
     let mut unknowns = 0;
     let mut surfaces = Vec::new();
+    let mut systems = Vec::new();
     for (part, file) in machine.parts.iter().zip(&meshes) {
         let system = assemble(part, &file.mesh).map_err(pipeline::PipelineError::from)?;
         writeln!(
@@ -46,6 +47,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         unknowns += system.n_dof();
         surfaces.push(system.surfaces.clone());
         centroids.push(system.interfaces.iter().map(|i| i.centroid).collect::<Vec<_>>());
+        systems.push(system);
     }
     let requests = reduction_requests(&machine, &centroids);
     let coordinates: usize = requests.iter().zip(&surfaces).map(|(r, s)| r.most_coordinates(s)).sum();
@@ -55,6 +57,9 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     )?;
     describe_joints(&mut out, &machine, &centroids)?;
     describe_axis(&mut out, &machine)?;
+    for free in pipeline::mechanisms(&machine, &meshes, &systems, machine.axis.travel[0])? {
+        writeln!(out, "free motion at 0 Hz: {free}")?;
+    }
     let warnings = pipeline::check_travel(&machine, &meshes, &centroids)?;
     for warning in warnings {
         writeln!(out, "warning: {warning}")?;

@@ -29,7 +29,7 @@ pub(super) fn free_motions(rows: &DMatrix<f64>, eigenvalues: &DVector<f64>, stif
             read.push(row.iter().map(|v| v / size).collect());
         }
     }
-    let null = null_space(&read, r);
+    let null = orthonormal(separated(&null_space(&read, r)));
     let mut out = DMatrix::zeros(eigenvalues.len(), null.ncols());
     for (k, &i) in rigid.iter().enumerate() {
         out.row_mut(i).copy_from(&null.row(k));
@@ -38,7 +38,7 @@ pub(super) fn free_motions(rows: &DMatrix<f64>, eigenvalues: &DVector<f64>, stif
 }
 
 /// Orthonormal vectors of `columns` entries that every row (of unit length) leaves at zero.
-pub(super) fn null_space(rows: &[Vec<f64>], columns: usize) -> DMatrix<f64> {
+pub fn null_space(rows: &[Vec<f64>], columns: usize) -> DMatrix<f64> {
     // At least as many rows as columns, so that all right singular vectors are there.
     let padded = DMatrix::from_fn(rows.len().max(columns), columns, |i, j| rows.get(i).map_or(0.0, |row| row[j]));
     let svd = padded.svd(false, true);
@@ -46,4 +46,55 @@ pub(super) fn null_space(rows: &[Vec<f64>], columns: usize) -> DMatrix<f64> {
     let largest = svd.singular_values.max();
     let free: Vec<usize> = (0..columns).filter(|&k| svd.singular_values[k] <= RANK * largest).collect();
     DMatrix::from_fn(columns, free.len(), |i, k| vectors[(free[k], i)])
+}
+
+/// The same motions, each as far by itself as it goes: a spindle's turn is not mixed with a slide's travel.
+///
+/// By elimination with pivots: every vector has an entry 1 where all others have 0.
+pub fn separated(null: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = null.clone();
+    let (rows, columns) = out.shape();
+    let mut taken = vec![false; rows];
+    for k in 0..columns {
+        let places = (0..rows).filter(|&i| !taken[i]).flat_map(|i| (k..columns).map(move |j| (i, j)));
+        let size = |&(i, j): &(usize, usize)| out[(i, j)].abs();
+        let Some((i, j)) = places.max_by(|a, b| size(a).total_cmp(&size(b))) else { break };
+        taken[i] = true;
+        out.swap_columns(k, j);
+        let pivot = out[(i, k)];
+        out.column_mut(k).scale_mut(pivot.recip());
+        for other in (0..columns).filter(|&other| other != k) {
+            let share = out[(i, other)];
+            let part = out.column(k) * share;
+            let mut column = out.column_mut(other);
+            column -= part;
+        }
+    }
+    let size = out.amax();
+    out.apply(|v| {
+        if v.abs() < RANK * size {
+            *v = 0.0;
+        }
+    });
+    out
+}
+
+/// Orthonormal vectors of the same span, those with the fewest entries first, which stay as they are.
+fn orthonormal(mut vectors: DMatrix<f64>) -> DMatrix<f64> {
+    let entries = |k: usize| vectors.column(k).iter().filter(|v| **v != 0.0).count();
+    let mut order: Vec<usize> = (0..vectors.ncols()).collect();
+    order.sort_by_key(|&k| entries(k));
+    vectors = vectors.select_columns(&order);
+    for k in 0..vectors.ncols() {
+        for _ in 0..2 {
+            for before in 0..k {
+                let share = vectors.column(before).dot(&vectors.column(k));
+                let part = vectors.column(before) * share;
+                let mut column = vectors.column_mut(k);
+                column -= part;
+            }
+        }
+        vectors.column_mut(k).normalize_mut();
+    }
+    vectors
 }

@@ -33,6 +33,7 @@ pub use eigen::CoupledEigen;
 pub use fixed_position::at_fixed_position;
 pub use joint::{CoupledJoint, CoupledSpring};
 pub(crate) use joint::{check_screw, free_length, overhang};
+pub use mechanism::{null_space, separated};
 pub use model::{AtPosition, Coupled, CoupledModel, PartShare, SpringValues, couple};
 pub use side_by_side::{PortRow, SideBySide};
 pub use training::reduction_requests;

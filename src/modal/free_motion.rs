@@ -1,6 +1,7 @@
 //! Names for motions at 0 Hz.
 
 use crate::coupling::CoupledModel;
+use crate::solid::axis_name;
 use nalgebra::{DVector, Vector3};
 
 /// Says in words which part moves and how: `spindle turns about z`.
@@ -34,14 +35,4 @@ pub(super) fn describe(model: &CoupledModel, shape: &DVector<f64>) -> String {
         ("slides along", velocity)
     };
     format!("{} {verb} {}", part.name, axis_name(direction))
-}
-
-fn axis_name(direction: Vector3<f64>) -> String {
-    let d = direction.normalize();
-    for (name, value) in ["x", "y", "z"].iter().zip(d.iter()) {
-        if value.abs() > 0.9999 {
-            return (*name).to_string();
-        }
-    }
-    format!("({:.3}, {:.3}, {:.3})", d.x, d.y, d.z)
 }

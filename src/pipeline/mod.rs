@@ -1,8 +1,10 @@
 //! The main job's stages, each a function from one named struct to the next.
 
+mod mechanism;
 mod reduction_error;
 mod travel;
 
+pub use mechanism::mechanisms;
 pub use reduction_error::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, few_component_modes, reduction_errors};
 pub use travel::{check_travel, screw_length};
 

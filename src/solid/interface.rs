@@ -89,3 +89,14 @@ pub fn rotation_arm(direction: [f64; 3], arm: [f64; 3]) -> [f64; 6] {
     let c = a.cross(&d); // d . (theta x a) = theta . (a x d)
     [d.x, d.y, d.z, c.x, c.y, c.z]
 }
+
+/// A direction in words: `x`, or its components, of which the first that is not zero is positive.
+pub fn axis_name(direction: Vector3<f64>) -> String {
+    let d = direction.normalize();
+    for (name, value) in ["x", "y", "z"].iter().zip(d.iter()) {
+        if value.abs() > 0.9999 {
+            return (*name).to_string();
+        }
+    }
+    format!("({:.3}, {:.3}, {:.3})", d.x, d.y, d.z)
+}

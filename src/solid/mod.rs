@@ -13,7 +13,7 @@ mod surface;
 
 pub use assembly::{SecondOrder, assemble};
 pub use held::held_displacements;
-pub use interface::{InterfaceMotion, NodeRows, rotation_arm};
+pub use interface::{InterfaceMotion, NodeRows, axis_name, rotation_arm};
 pub use numbering::{interface_motions, rigid_nodes};
 pub use surface::{Face, Surface};
 
