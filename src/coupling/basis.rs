@@ -183,6 +183,19 @@ impl FixedBasis {
         ResidualEnergy { with_basis, between_forces: multiply_transposed(&response, &weighted) }
     }
 
+    /// Shapes over the basis as shapes over the side-by-side coordinates.
+    pub fn over_parts(&self, shapes: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(self.low.len() + self.high.len(), shapes.ncols());
+        for (k, &i) in self.low.iter().enumerate() {
+            out.row_mut(i).copy_from(&shapes.row(k));
+        }
+        let high = multiply(&self.directions, &shapes.rows_range(self.low.len()..).into_owned());
+        for (k, &i) in self.high.iter().enumerate() {
+            out.row_mut(i).copy_from(&high.row(k));
+        }
+        out
+    }
+
     /// The basis as a matrix over the side-by-side coordinates, n_side_by_side x n.
     pub fn matrix(&self) -> DMatrix<f64> {
         let mut q = DMatrix::zeros(self.low.len() + self.high.len(), self.n());

@@ -188,7 +188,7 @@ impl CoupledModel {
 
     /// Shapes over the basis as shapes over the superelements side by side.
     pub fn over_parts(&self, shapes: &DMatrix<f64>) -> DMatrix<f64> {
-        multiply(&self.basis.matrix(), shapes)
+        self.basis.over_parts(shapes)
     }
 
     /// Shift of the eigenproblem, (rad/s)^2.

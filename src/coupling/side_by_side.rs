@@ -3,7 +3,7 @@
 use super::CouplingError;
 use super::joint::{CoupledJoint, CoupledSpring, Side, SideSurface, overhang};
 use crate::linalg::{
-    count_negative, eigen_of_flexibility, independent_rows, lower_rows, multiply, multiply_transposed, orthonormal_span,
+    count_negative, eigen_of_flexibility, independent_rows, lower_rows, multiply, multiply_transposed, orthonormal,
 };
 use crate::machine::{Axis, JointPoint, Machine};
 use crate::reduction::Superelement;
@@ -225,17 +225,19 @@ impl SideBySide {
             let x = scaled(x);
             scaled(&(&x - multiply(&lower, &multiply_transposed(&lower, &x))))
         };
-        let mut x = orthonormal_span(start, 0.0)?;
-        for _ in 0..STEPS {
-            x = orthonormal_span(&flexibility(&x), 0.0)?;
+        let mut x = flexibility(start);
+        for _ in 1..STEPS {
+            x = flexibility(&orthonormal(&x));
         }
+        x = orthonormal(&x);
         let ritz = multiply_transposed(&x, &flexibility(&x));
         Ok(eigen_of_flexibility(&ritz, shift)?.values)
     }
 }
 
-/// Steps of the inverse iteration: modes of the fixed basis are 1e-6 from those that they are compared with.
-const STEPS: usize = 3;
+/// Steps of the inverse iteration: modes of the fixed basis are 1e-5 from those that they are compared
+/// with, and each step squares what is left of the others.
+const STEPS: usize = 2;
 
 /// diag(lambda) + B^T diag(k) B.
 fn coupled(eigenvalues: &DVector<f64>, rows: &DMatrix<f64>, stiffness: &[f64]) -> DMatrix<f64> {

@@ -106,6 +106,12 @@ pub(super) fn inner_parallelism() -> Par {
     if rayon::current_num_threads() <= 4 { Par::Seq } else { Par::rayon(0) }
 }
 
+/// An orthonormal basis of as many vectors as V has, which are independent: Q of V = Q R.
+pub fn orthonormal(v: &DMatrix<f64>) -> DMatrix<f64> {
+    let q = view(v).qr().compute_thin_Q();
+    DMatrix::from_fn(v.nrows(), v.ncols().min(v.nrows()), |i, k| q[(i, k)])
+}
+
 /// The upper triangle R of A = Q R, so that R^T R = A^T A.
 pub fn triangle(a: &DMatrix<f64>) -> DMatrix<f64> {
     let (m, n) = a.shape();

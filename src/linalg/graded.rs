@@ -44,19 +44,8 @@ pub fn graded_factor(a: &DMatrix<f64>) -> Result<GradedFactor, LinalgError> {
             inverse: DMatrix::zeros(0, 0),
         });
     }
-    let order = rows_by_size(a);
-    let sorted = DMatrix::from_fn(m, n, |i, j| a[(order[i], j)]);
-    let factor = view(&sorted).col_piv_qr();
+    let (order, factor) = sorted_factor(a);
     let (q, r) = (factor.compute_Q(), factor.thin_R());
-    let unsorted = |q: &Mat<f64>, first: usize, columns: usize| {
-        let mut out = DMatrix::zeros(m, columns);
-        for (i, &row) in order.iter().enumerate() {
-            for j in 0..columns {
-                out[(row, j)] = q[(i, first + j)];
-            }
-        }
-        out
-    };
     let triangle = DMatrix::from_fn(n, n, |i, j| if i <= j { r[(i, j)] } else { 0.0 });
     let inverse = triangle.solve_upper_triangular(&DMatrix::identity(n, n)).ok_or_else(failed)?;
     // Column k of the sorted matrix that was factored is column forward[k] of A.
@@ -65,13 +54,28 @@ pub fn graded_factor(a: &DMatrix<f64>) -> Result<GradedFactor, LinalgError> {
     for (k, &column) in forward.iter().enumerate() {
         unpivoted.row_mut(column).copy_from(&inverse.row(k));
     }
-    Ok(GradedFactor { span: unsorted(&q, 0, n), rest: unsorted(&q, n, m - n), inverse: unpivoted })
+    Ok(GradedFactor { span: unsorted(&q, &order, 0, n), rest: unsorted(&q, &order, n, m - n), inverse: unpivoted })
 }
 
-fn rows_by_size(a: &DMatrix<f64>) -> Vec<usize> {
+/// The factor of the rows in the order of their size, and that order.
+fn sorted_factor(a: &DMatrix<f64>) -> (Vec<usize>, faer::linalg::solvers::ColPivQr<f64>) {
+    let size: Vec<f64> = a.row_iter().map(|row| row.amax()).collect();
     let mut order: Vec<usize> = (0..a.nrows()).collect();
-    order.sort_by(|&i, &j| a.row(j).amax().total_cmp(&a.row(i).amax()));
-    order
+    order.sort_by(|&i, &j| size[j].total_cmp(&size[i]));
+    let sorted = a.select_rows(&order);
+    let factor = view(&sorted).col_piv_qr();
+    (order, factor)
+}
+
+/// Some columns of Q with the rows in their own order again.
+fn unsorted(q: &Mat<f64>, order: &[usize], first: usize, columns: usize) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(order.len(), columns);
+    for j in 0..columns {
+        for (i, &row) in order.iter().enumerate() {
+            out[(row, j)] = q[(i, first + j)];
+        }
+    }
+    out
 }
 
 /// Below this share of its size before, a row that earlier rows were taken out of is rounding.
@@ -158,7 +162,14 @@ pub fn lower_rows(root: &[f64], w: &DMatrix<f64>) -> Result<DMatrix<f64>, Linalg
                 if i < s { f64::from(u8::from(i == j)) } else { root[i - s] * w[(j, i - s)] }
             },
         );
-    Ok(graded_factor(&stacked)?.span.rows(s, n).into_owned())
+    if stacked.iter().any(|v| !v.is_finite()) {
+        return Err(LinalgError::Eigen { n });
+    }
+    if s == 0 {
+        return Ok(DMatrix::zeros(n, 0));
+    }
+    let (order, factor) = sorted_factor(&stacked);
+    Ok(unsorted(&factor.compute_thin_Q(), &order, 0, s).rows(s, n).into_owned())
 }
 
 /// A flexibility below this share of the largest is rounding: the direction is rigid.

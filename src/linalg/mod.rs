@@ -13,8 +13,8 @@ mod sparse;
 
 pub use cholesky::{Cholesky, Indefinite};
 pub use dense::{
-    SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal_span,
-    symmetric_eigen, symmetric_eigen_fast, triangle,
+    SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal,
+    orthonormal_span, symmetric_eigen, symmetric_eigen_fast, triangle,
 };
 pub use graded::{
     GradedFactor, eigen_of_flexibility, flexibility_with_springs, graded_factor, independent_rows, lower_rows,
