@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::{ExportError, FREE_BELOW_HZ, atomic, finite, length};
+use super::{ExportError, atomic, finite, length};
 use crate::modal::{ModeFamilies, ModeTableRow};
 
 /// Writes `eigenfrequencies.csv`: one line a mode and position, by position and rank.
@@ -50,11 +50,8 @@ pub fn write_mode_table(path: &Path, rows: &[ModeTableRow]) -> Result<(), Export
         .map_err(atomic::io(path, "write"))?;
         for row in rows {
             let number = |value, what| finite(path, value, || format!("the {what} of family {}", row.family));
-            let difference = if row.min < FREE_BELOW_HZ {
-                String::new()
-            } else {
-                number(row.difference_percent, "difference")?.to_string()
-            };
+            let difference =
+                if row.min == 0.0 { String::new() } else { number(row.difference_percent, "difference")?.to_string() };
             writeln!(
                 file,
                 "{},{},{},{difference},{},{},{},{}",

@@ -40,9 +40,6 @@ pub mod vtu;
 
 use std::path::{Path, PathBuf};
 
-/// Frequency below which a family is a free motion (0 Hz up to rounding), Hz.
-pub const FREE_BELOW_HZ: f64 = 0.01;
-
 /// Why a file was not written. Under its name there is then what was there before.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {

@@ -7,7 +7,6 @@ use super::frame::{Frame, THIN, WIDTH};
 use super::scale::Scale;
 use super::text::{Align, SMALL, Typeface};
 use super::{FREQUENCY_LABEL, FigureError, colour, position_label};
-use crate::export::FREE_BELOW_HZ;
 use crate::modal::ModeFamilies;
 
 /// Height of the picture: room for thirty labels.
@@ -22,8 +21,7 @@ const LINE: f64 = 4.0;
 /// Draws the families.
 pub(super) fn draw(figure: &str, machine: &str, axis: &str, families: &ModeFamilies) -> Result<Canvas, FigureError> {
     let lines = lines(figure, families)?;
-    let (free, drawn): (Vec<_>, Vec<_>) =
-        lines.into_iter().partition(|(_, line)| line.iter().all(|p| p.1 < FREE_BELOW_HZ));
+    let (free, drawn): (Vec<_>, Vec<_>) = lines.into_iter().partition(|(_, line)| line.iter().all(|p| p.1 == 0.0));
     let font = Typeface::bundled();
     let note_room = if free.is_empty() { 0 } else { NOTE };
     let mut canvas = Canvas::new(WIDTH, TALL + note_room);

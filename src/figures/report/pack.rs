@@ -43,6 +43,8 @@ pub const PAGE: AroundOptions = AroundOptions { band: 1.05, tolerance: 2e-2 };
 struct Local {
     /// Eigenvalues, (rad/s)^2.
     eigenvalues: Vec<f64>,
+    /// How many of them, the first, are free motions.
+    free: usize,
     /// Elongations of the springs, then outputs, then inputs, over the coordinates.
     rows: DMatrix<f64>,
     /// Static flexibility between the rows that the coordinates leave out.
@@ -66,10 +68,11 @@ impl Local {
         };
         let rows = DMatrix::from_fn(places.len(), around.n(), |i, r| row(places[i], r));
         let largest = rows.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
-        let is_free = |r: usize| r < around.modes && around.eigenvalues[r] <= 0.0;
+        let is_free = |r: usize| r < around.free;
         let kept: Vec<usize> =
             (0..around.n()).filter(|&r| !is_free(r) || rows.column(r).norm() > UNFELT * largest).collect();
         Self {
+            free: kept.iter().filter(|r| is_free(**r)).count(),
             eigenvalues: kept.iter().map(|&r| around.eigenvalues[r]).collect(),
             rows: rows.select_columns(&kept),
             residual: DMatrix::from_fn(places.len(), places.len(), |i, j| around.residual[(places[i], places[j])]),
@@ -103,6 +106,7 @@ pub(super) fn push_local(
         v.into_iter().chain(std::iter::repeat_n(0.0, rest)).collect::<Vec<_>>()
     };
     arrays.push_u32("local_count", &[p], all.iter().map(|l| l.eigenvalues.len()));
+    arrays.push_u32("local_free", &[p], all.iter().map(|l| l.free));
     let hertz = |l: &Local| padded(l.eigenvalues.iter().map(|l| l / (TAU * TAU)).collect());
     arrays.push_f64("local_eigenvalue", &[p, n], all.iter().flat_map(hertz));
     let of_rows = |l: &Local| l.rows.row_iter().flat_map(|r| padded(r.iter().copied().collect())).collect::<Vec<_>>();

@@ -69,7 +69,7 @@ function buildFactors(page) {
 function buildShapeControls(page) {
   const { db, state } = page;
   const listed = db.shape("family")[1];
-  const first = Array.from({ length: listed }, (_, r) => r).find((r) => db.values("family_frequency")[r] > 0.01);
+  const first = Array.from({ length: listed }, (_, r) => r).find((r) => db.values("family_frequency")[r] > 0);
   state.mode = first ?? 0;
   for (let r = 0; r < listed; r++) $("mode").append(element("option", { value: String(r) }));
   $("mode").addEventListener("change", () => {
@@ -128,7 +128,7 @@ function showControls(page) {
   Array.from($("mode").options).forEach((option, r) => {
     const f = db.values("family_frequency")[state.position * listed + r];
     const family = db.values("family")[state.position * listed + r];
-    option.textContent = f < 0.01 ? `${r + 1}: free motion` : `${r + 1}: ${f.toFixed(2)} Hz, family ${family}`;
+    option.textContent = f === 0 ? `${r + 1}: free motion` : `${r + 1}: ${f.toFixed(2)} Hz, family ${family}`;
   });
 }
 
@@ -205,7 +205,7 @@ function showFamilies(page, axis, changed) {
     for (let r = 0; r < listed; r++) {
       const family = db.values("family")[p * listed + r];
       const f = db.values("family_frequency")[p * listed + r];
-      if (family === 0 || f < 0.01) continue;
+      if (family === 0 || f === 0) continue;
       if (!families.has(family)) families.set(family, new Array(order.length).fill(null));
       families.get(family)[row] = f;
     }
@@ -217,7 +217,7 @@ function showFamilies(page, axis, changed) {
     points: order.length < 2,
   }));
   if (changed) {
-    const elastic = (p) => Array.from(engine.systems[p].frequency).filter((f) => f > FREE_BELOW);
+    const elastic = (p) => Array.from(engine.systems[p].frequency).filter((f) => f > 0);
     const now = order.map(elastic);
     for (let r = 0; r < families.size; r++) {
       const values = now.map((list) => list[r] ?? null);

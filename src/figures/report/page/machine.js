@@ -4,8 +4,8 @@
 // loss = eta f^2 (Hz, Hz^2), shapes [port, mode], residual [degree, output, input, re | im] in powers of j omega.
 
 const TAU = 2 * Math.PI;
-// Hz below which a motion is free, and the share of the largest motion of the ports below which it is not felt.
-const FREE_BELOW = 1e-3;
+// The share of the largest motion of the ports below which a free motion is not felt. Which motions are free is a
+// count that the program finds from the joints; a mode at 0.1 Hz on soft mounts is not one.
 const FELT = 1e-6;
 
 function sizes(db) {
@@ -149,7 +149,8 @@ function changedSystem(db, p, factors, damping) {
     const value = direct[at] / (1 + eta * eta);
     [direct[at], direct[at + 1]] = [value, -eta * value];
   }
-  const shapes = { ports: width - s, lossy, factors, stiffness, rows: space.rows, n };
+  const free = db.values("local_free")[p];
+  const shapes = { ports: width - s, lossy, factors, stiffness, rows: space.rows, n, free };
   return modalSystem(db, d, shapes, direct, damping);
 }
 
@@ -189,8 +190,8 @@ function modalSystem(db, eigenvalues, shapes, residual, damping) {
   };
   const motion = (r) => norm(r, 0, o) * norm(r, ports - i, ports);
   const largest = order.reduce((top, r) => Math.max(top, motion(r)), 0);
-  const free = order.filter((r) => hertz(r) < FREE_BELOW);
-  const kept = order.filter((r) => hertz(r) >= FREE_BELOW || motion(r) > FELT * largest);
+  const free = order.slice(0, shapes.free);
+  const kept = order.filter((r, rank) => rank >= shapes.free || motion(r) > FELT * largest);
   const size = kept.length;
   const system = {
     n: size,

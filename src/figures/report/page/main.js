@@ -265,7 +265,7 @@ class Page {
     const f = this.db.values("family_frequency")[position * listed + mode];
     this.shapes.show(position, mode, amplitude);
     const place = `${this.db.header.axis} = ${mm(this.db.positions[position])} mm`;
-    const what = f < 0.01 ? "free motion at 0 Hz" : `${f.toFixed(2)} Hz`;
+    const what = f === 0 ? "free motion at 0 Hz" : `${f.toFixed(2)} Hz`;
     $("shape-caption").textContent =
       `Rank ${mode + 1}, family ${family}, ${what} at ${place}; largest displacement ${digits(this.shapes.largest, 3)} kg^(−1/2), drawn exaggerated; colours from none to the largest.`;
   }

@@ -20,7 +20,7 @@ function table(caption, head, rows) {
 
 function familyTable(header) {
   const rows = header.table
-    .filter((row) => row.max_hz > 0.01)
+    .filter((row) => row.max_hz > 0)
     .map((row) => [
       row.family,
       row.min_hz.toFixed(2),
@@ -46,12 +46,12 @@ function modeTable(db, p, system, changed) {
   const at = (name, r) => db.values(name)[p * listed + r];
   const rows = [];
   let elastic = 0;
-  const now = Array.from(system.frequency).filter((f) => f > FREE_BELOW);
+  const now = Array.from(system.frequency).filter((f) => f > 0);
   for (let r = 0; r < listed; r++) {
     const family = at("family", r);
     if (family === 0) continue;
     const f = at("family_frequency", r);
-    const free = f < 0.01;
+    const free = f === 0;
     const own = free ? "–" : digits(100 * at("family_ratio", r), 4);
     const row = [r + 1, family, free ? "0 (free)" : f.toFixed(3), own];
     if (changed) row.push(free ? "–" : now[elastic].toFixed(3));
