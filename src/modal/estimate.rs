@@ -29,7 +29,36 @@ pub struct ReductionEstimate {
     pub position: f64,
     /// By how much each elastic mode's frequency is too high, relative to itself, by rank.
     pub frequencies: Vec<f64>,
+    /// The motions that say most, for the map.
+    pub motions: Vec<MissingMotion>,
 }
+
+/// A motion of a part that the reduction lacks, over the elastic modes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissingMotion {
+    /// Lambda_z, (rad/s)^2.
+    pub eigenvalue: f64,
+    /// z^T K V x_r of each mode.
+    pub stiffness: DVector<f64>,
+    /// z^T M V x_r of each mode.
+    pub mass: DVector<f64>,
+}
+
+impl MissingMotion {
+    /// g_r = z^T (K - lambda M) V x_r.
+    fn coupling(&self, r: usize, lambda: f64) -> f64 {
+        self.stiffness[r] - lambda * self.mass[r]
+    }
+
+    /// The largest share of a mode's eigenvalue that the motion takes, as if it lay far above.
+    fn weight(&self, lambda: &[f64]) -> f64 {
+        let share = |(r, l): (usize, &f64)| self.coupling(r, *l).powi(2) / (l * self.eigenvalue);
+        lambda.iter().enumerate().map(share).fold(0.0, f64::max)
+    }
+}
+
+/// Motions that are kept for the map.
+const KEPT: usize = 64;
 
 /// Motions below this multiple of the highest frequency wanted are solved with the modes, the others are summed.
 const NEAR: f64 = 2.0;
@@ -37,7 +66,7 @@ const NEAR: f64 = 2.0;
 const MODES: f64 = 1.5;
 /// The motions beyond are some of those that lack, and not converged: what they show is multiplied by this. On the
 /// bundled mill the estimate then lies between 1 and 3 times the true error.
-const SAFETY: f64 = 2.0;
+pub const SAFETY: f64 = 2.0;
 /// The dense eigenproblem up to this order is solved with full accuracy for its lowest modes.
 const SMALL: usize = 200;
 
@@ -56,7 +85,7 @@ pub fn reduction_estimate(
     let elastic = modes.eigenvalues.len() - modes.free;
     let wanted = wanted.min(elastic);
     if wanted == 0 {
-        return Ok(ReductionEstimate { position, frequencies: Vec::new() });
+        return Ok(ReductionEstimate { position, frequencies: Vec::new(), motions: Vec::new() });
     }
     let highest = modes.frequency(modes.free + wanted - 1);
     let taking_part = modes.count_up_to(MODES * highest).max(modes.free + wanted) - modes.free;
@@ -65,32 +94,35 @@ pub fn reduction_estimate(
     let x = model.whole_shapes(position, &shapes)?;
     let edge = (TAU * NEAR * highest).powi(2);
 
-    // Of every part: the motions near, with their rows over the modes, and the sum over those far above.
-    let mut near: Vec<(f64, DVector<f64>, DVector<f64>)> = Vec::new();
-    let mut far = vec![0.0; taking_part];
+    // Of every part the motions that it lacks, over the modes.
+    let mut motions: Vec<MissingMotion> = Vec::new();
     for (part, first) in superelements.iter().zip(&model.side_by_side.first_column) {
         let own = x.rows(*first, part.n()).into_owned();
         let (k, m) = (multiply(&part.beyond.stiffness, &own), multiply(&part.beyond.mass, &own));
-        for (z, &own) in part.beyond.eigenvalues.iter().enumerate() {
-            if own < edge {
-                near.push((own, k.row(z).transpose(), m.row(z).transpose()));
-                continue;
-            }
-            for (r, sum) in far.iter_mut().enumerate() {
-                *sum += (k[(z, r)] - lambda[r] * m[(z, r)]).powi(2) / (own - lambda[r]);
-            }
-        }
+        motions.extend(part.beyond.eigenvalues.iter().enumerate().map(|(z, &eigenvalue)| MissingMotion {
+            eigenvalue,
+            stiffness: k.row(z).transpose(),
+            mass: m.row(z).transpose(),
+        }));
     }
+    let (near, above): (Vec<&MissingMotion>, Vec<&MissingMotion>) = motions.iter().partition(|z| z.eigenvalue < edge);
+    let far = |r: usize| {
+        let of = |z: &&MissingMotion| z.coupling(r, lambda[r]).powi(2) / (z.eigenvalue - lambda[r]);
+        above.iter().map(of).sum::<f64>()
+    };
     let lowered = lowered(&lambda, &near).map_err(failed)?;
     let one = |r: usize| {
-        let exact = (lowered[r] - far[r]).max(0.0);
+        let exact = (lowered[r] - far(r)).max(0.0);
         SAFETY * (1.0 - (exact / lambda[r]).sqrt()).max(0.0)
     };
-    Ok(ReductionEstimate { position, frequencies: (0..wanted).map(one).collect() })
+    let frequencies = (0..wanted).map(one).collect();
+    motions.sort_by(|a, b| b.weight(&lambda).total_cmp(&a.weight(&lambda)));
+    motions.truncate(KEPT);
+    Ok(ReductionEstimate { position, frequencies, motions })
 }
 
 /// The lowest eigenvalues of the modes together with the motions near them, as many as there are modes.
-fn lowered(lambda: &[f64], near: &[(f64, DVector<f64>, DVector<f64>)]) -> Result<Vec<f64>, LinalgError> {
+fn lowered(lambda: &[f64], near: &[&MissingMotion]) -> Result<Vec<f64>, LinalgError> {
     if near.is_empty() {
         return Ok(lambda.to_vec());
     }
@@ -100,11 +132,11 @@ fn lowered(lambda: &[f64], near: &[(f64, DVector<f64>, DVector<f64>)]) -> Result
     for (r, l) in lambda.iter().enumerate() {
         stiffness[(r, r)] = *l;
     }
-    for (z, (own, k, mz)) in near.iter().enumerate() {
-        stiffness[(m + z, m + z)] = *own;
+    for (z, motion) in near.iter().enumerate() {
+        stiffness[(m + z, m + z)] = motion.eigenvalue;
         for r in 0..m {
-            (stiffness[(m + z, r)], stiffness[(r, m + z)]) = (k[r], k[r]);
-            (mass[(m + z, r)], mass[(r, m + z)]) = (mz[r], mz[r]);
+            (stiffness[(m + z, r)], stiffness[(r, m + z)]) = (motion.stiffness[r], motion.stiffness[r]);
+            (mass[(m + z, r)], mass[(r, m + z)]) = (motion.mass[r], motion.mass[r]);
         }
     }
     let failed = || LinalgError::Eigen { n };

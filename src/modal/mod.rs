@@ -7,7 +7,7 @@ mod solve;
 mod tracking;
 
 pub use convergence::{ConvergenceError, Extrapolation, extrapolate};
-pub use estimate::{ReductionEstimate, reduction_estimate};
+pub use estimate::{MissingMotion, ReductionEstimate, SAFETY, reduction_estimate};
 pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at};
 pub use tracking::{Tracker, mode_table, track};
 

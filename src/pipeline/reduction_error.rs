@@ -4,16 +4,20 @@ use super::PipelineError;
 use crate::coupling::CoupledModel;
 use crate::frf::{FrfError, FrfRequest, ModalSystem, Quantity, modal_sum};
 use crate::machine::Machine;
-use crate::modal::{ModeFamilies, ModeTableRow, Modes, ReductionEstimate, modes_at, reduction_estimate};
+use crate::modal::{
+    MissingMotion, ModeFamilies, ModeTableRow, Modes, ReductionEstimate, SAFETY, modes_at, reduction_estimate,
+};
 use crate::reduction::Superelement;
+use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// Largest estimate of a frequency's relative error that passes.
 pub const FREQUENCY_BOUND: f64 = 1e-3;
 /// Largest estimate of the map's relative error (Frobenius norm over outputs and inputs) that passes.
 pub const MAP_BOUND: f64 = 0.05;
-/// Frequencies at which the map's error is looked at.
-const PROBES: usize = 200;
+/// Frequencies at which the map's error is looked at, besides those of the modes.
+const PROBES: usize = 40;
 /// Component modes should reach to this multiple of the highest frequency.
 const ENOUGH: f64 = 1.5;
 
@@ -54,6 +58,7 @@ pub fn reduction_errors(
         let exact = |m: &Modes| ReductionEstimate {
             position: m.position,
             frequencies: vec![0.0; m.eigenvalues.len() - m.free],
+            motions: Vec::new(),
         };
         return Ok(ReductionErrors { estimates: modes.first().map(exact).into_iter().collect() });
     }
@@ -111,12 +116,15 @@ impl ReductionErrors {
     }
 
     /// Largest relative change of the receptance (Frobenius norm over outputs and inputs) over frequencies up to
-    /// `highest` (Hz) when every mode is lowered by its estimate; 0 Hz and undamped maps, which have no finite
-    /// peak, give `None`.
+    /// `highest` (Hz) by the motions that the reduction lacks; a map without frequencies or damping, which has no
+    /// finite peak, gives `None`.
     ///
     /// # Errors
     /// [`FrfError`] of the sum.
     pub fn map(&self, positions: &[f64], systems: &[ModalSystem], highest: f64) -> Result<Option<f64>, FrfError> {
+        if systems.iter().any(|s| s.frequencies.is_empty()) {
+            return Ok(None);
+        }
         let damped = |s: &ModalSystem| {
             let each = s.frequencies.iter().zip(s.damping_ratios.iter().zip(&s.loss_factors));
             each.clone().all(|(f, (zeta, eta))| *f == 0.0 || zeta + eta > 0.0)
@@ -124,42 +132,69 @@ impl ReductionErrors {
         if highest <= 0.0 || !systems.iter().all(damped) {
             return Ok(None);
         }
-        let grid: Vec<f64> = (1..=PROBES).map(|k| highest * k as f64 / PROBES as f64).collect();
         let mut worst: f64 = 0.0;
         for estimate in &self.estimates {
             let Some(at) = positions.iter().position(|p| *p == estimate.position) else { continue };
-            let mut lowered = systems[at].clone();
-            let free = lowered.frequencies.iter().take_while(|f| **f == 0.0).count();
-            for (f, error) in lowered.frequencies.iter_mut().skip(free).zip(&estimate.frequencies) {
-                *f *= 1.0 - error.min(1.0);
-            }
+            let system = &systems[at];
             // A mode at a probe would be judged by its flank: the peaks are looked at too.
-            let peaks = systems[at].frequencies.iter().copied().filter(|f| *f > 0.0 && *f <= highest);
-            let mut grid: Vec<f64> = grid.iter().copied().chain(peaks).collect();
+            let peaks = system.frequencies.iter().copied().filter(|f| *f > 0.0 && *f <= highest);
+            let mut grid: Vec<f64> = (1..=PROBES).map(|k| highest * k as f64 / PROBES as f64).chain(peaks).collect();
             grid.sort_by(f64::total_cmp);
             grid.dedup();
             let names = |n: usize| (0..n).map(|k| k.to_string()).collect::<Vec<_>>();
-            let (outputs, inputs) = (names(lowered.outputs.nrows()), names(lowered.inputs.nrows()));
-            let pair = outputs.len() * inputs.len();
-            let sum = |system: &ModalSystem| {
-                modal_sum(&FrfRequest {
-                    positions: &positions[at..=at],
-                    systems: std::slice::from_ref(system),
-                    frequencies: &grid,
-                    outputs: &outputs,
-                    inputs: &inputs,
-                    quantity: Quantity::Receptance,
-                })
-            };
-            let (own, other) = (sum(&systems[at])?, sum(&lowered)?);
-            for (a, b) in own.values.chunks(pair).zip(other.values.chunks(pair)) {
-                let size = a.iter().map(|h| h.norm_sqr()).sum::<f64>();
-                let change = a.iter().zip(b).map(|(a, b)| (a - b).norm_sqr()).sum::<f64>();
-                worst = worst.max((change / size.max(f64::MIN_POSITIVE)).sqrt());
+            let (outputs, inputs) = (names(system.outputs.nrows()), names(system.inputs.nrows()));
+            let map = modal_sum(&FrfRequest {
+                positions: &positions[at..=at],
+                systems: std::slice::from_ref(system),
+                frequencies: &grid,
+                outputs: &outputs,
+                inputs: &inputs,
+                quantity: Quantity::Receptance,
+            })?;
+            for (f, own) in grid.iter().zip(map.values.chunks(outputs.len() * inputs.len())) {
+                let size = own.iter().map(|h| h.norm_sqr()).sum::<f64>().sqrt();
+                worst = worst.max(SAFETY * change(system, &estimate.motions, *f).norm() / size.max(f64::MIN_POSITIVE));
             }
         }
         Ok(Some(worst))
     }
+}
+
+/// What the motions that the reduction lacks change of the receptance at a frequency (Hz), m/N: with the modes'
+/// weights w_r = 1 / (lambda_r - omega^2 + ..) and g_zr = z^T (K - omega^2 M) V x_r,
+///
+/// ```text
+/// dH = sum_z (sum_r L_r w_r g_zr) (sum_q g_zq w_q R_q) / (Lambda_z - omega^2 + ..)
+/// ```
+fn change(system: &ModalSystem, motions: &[MissingMotion], frequency: f64) -> DMatrix<Complex<f64>> {
+    let omega = TAU * frequency;
+    let free = system.frequencies.iter().take_while(|f| **f == 0.0).count();
+    let last = system.frequencies.len() - 1;
+    let weight = |lambda: f64, r: usize| {
+        let viscous = 2.0 * system.damping_ratios[r] * lambda.sqrt() * omega;
+        Complex::new(lambda - omega * omega, lambda * system.loss_factors[r] + viscous).inv()
+    };
+    let modes = (system.frequencies.len() - free).min(motions.first().map_or(0, |z| z.mass.len()));
+    let weights: Vec<Complex<f64>> =
+        (0..modes).map(|r| weight((TAU * system.frequencies[free + r]).powi(2), free + r)).collect();
+    let (outputs, inputs) = (system.outputs.nrows(), system.inputs.nrows());
+    let mut out = DMatrix::zeros(outputs, inputs);
+    for z in motions {
+        let own = weight(z.eigenvalue, last);
+        let felt: Vec<Complex<f64>> =
+            (0..modes).map(|r| weights[r] * (z.stiffness[r] - omega * omega * z.mass[r])).collect();
+        let through = |rows: &DMatrix<f64>, k: usize| {
+            felt.iter().enumerate().map(|(r, g)| g * rows[(k, free + r)]).sum::<Complex<f64>>()
+        };
+        let left: Vec<_> = (0..outputs).map(|i| through(&system.outputs, i)).collect();
+        let right: Vec<_> = (0..inputs).map(|j| through(&system.inputs, j)).collect();
+        for (i, l) in left.iter().enumerate() {
+            for (j, r) in right.iter().enumerate() {
+                out[(i, j)] += own * l * r;
+            }
+        }
+    }
+    out
 }
 
 /// The parts whose component modes, fixed in number by the machine file, end below 1.5 times the highest
