@@ -1,7 +1,9 @@
 //! The main job's stages, each a function from one named struct to the next.
 
+mod plausibility;
 mod travel;
 
+pub use plausibility::{modal_plausibility, plausibility, study_plausibility};
 pub use travel::{check_travel, screw_length};
 
 use crate::coupling::{
