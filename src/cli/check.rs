@@ -22,7 +22,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     let (path, _bundled) = machine_path(arguments.machine.as_deref())?;
     let machine = read_machine(&path)?;
     let meshes = pipeline::read_meshes(&machine)?;
-    let mut warnings = pipeline::plausibility(&machine, &meshes)?;
+    let mut warnings = pipeline::plausibility(&machine, &meshes);
     let described = describe(&machine, &meshes, &mut warnings);
     // What is implausible explains a refusal, so it is said in either case.
     if described.is_err() {

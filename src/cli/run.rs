@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
 
     let parts = machine.parts.len();
     let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(&machine))?;
-    let mut warnings = pipeline::plausibility(&machine, &meshes)?;
+    let mut warnings = pipeline::plausibility(&machine, &meshes);
     progress.warn(&warnings);
     warnings.extend(mesh_warnings(&machine, &meshes));
     let cache = if arguments.no_cache { None } else { cache_folder().map(Cache::in_folder) };
@@ -141,7 +141,9 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         solve(&machine, &model, &axes.positions, reported, interrupt, step)
     })?;
     let first = solved.families.modes.iter().take(1).flatten().map(|mode| (mode.frequency, mode.damping_ratio));
-    warnings.extend(pipeline::modal_plausibility(axes.positions[0], first));
+    let of_modes = pipeline::modal_plausibility(axes.positions[0], first);
+    progress.warn(&of_modes);
+    warnings.extend(of_modes);
     checks.push(figure(
         "modes found minus modes counted by inertia, largest over the positions",
         solved.counts.iter().map(|c| c.found.abs_diff(c.counted)).max().unwrap_or(0) as f64,

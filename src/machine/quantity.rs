@@ -60,11 +60,12 @@ impl Dimension {
             Self::Length => [1e-12, 1e5],
             Self::Stiffness | Self::RotationalStiffness => [1e-6, 1e16],
             Self::Compliance => [0.0, 1e16],
-            Self::Damping | Self::RotationalDamping => [0.0, 1e16],
+            Self::Damping | Self::RotationalDamping => [0.0, 1e12],
             Self::Pressure => [1.0, 1e16],
             Self::Density => [1e-6, 1e9],
             Self::Frequency => [0.0, 1e9],
-            Self::InverseTime | Self::Time => [0.0, 1e9],
+            Self::InverseTime => [0.0, 1e6],
+            Self::Time => [0.0, 10.0],
             Self::Force => [0.0, 1e12],
             Self::Speed => [1e-12, 1e6],
             Self::Ratio => [0.0, 1e9],
@@ -76,7 +77,7 @@ impl Dimension {
         let [smallest, largest] = self.computable();
         let unit = if self == Self::Ratio { "" } else { self.units()[0] };
         let range = if positive && smallest > 0.0 {
-            format!("from {smallest:e} to {largest:e} {unit}")
+            format!("from {smallest} to {largest:e} {unit}")
         } else {
             format!("of size at most {largest:e} {unit}")
         };

@@ -1,30 +1,18 @@
 //! The warnings of [`crate::plausible`] as lines, for a machine and for the designs of a study.
 
-use super::PipelineError;
 use crate::machine::Machine;
 use crate::mesh::MeshFile;
 use crate::plausible::{Finding, Survey, findings, modal_findings};
 use crate::sweep::Design;
 
 /// Values of a machine far from any machine in use, one line each, from the file and the meshes alone.
-///
-/// # Errors
-/// [`PipelineError::Solid`] for an interface without a surface.
-pub fn plausibility(machine: &Machine, meshes: &[MeshFile]) -> Result<Vec<String>, PipelineError> {
-    let survey = Survey::of(machine, meshes)?;
-    Ok(findings(machine, &survey).iter().map(Finding::to_string).collect())
+pub fn plausibility(machine: &Machine, meshes: &[MeshFile]) -> Vec<String> {
+    findings(machine, &Survey::of(machine, meshes)).iter().map(Finding::to_string).collect()
 }
 
 /// [`plausibility`] of a study's machine, and what some of its designs add to it: each place of the file once.
-///
-/// # Errors
-/// As [`plausibility`].
-pub fn study_plausibility(
-    machine: &Machine,
-    designs: &[Design],
-    meshes: &[MeshFile],
-) -> Result<Vec<String>, PipelineError> {
-    let survey = Survey::of(machine, meshes)?;
+pub fn study_plausibility(machine: &Machine, designs: &[Design], meshes: &[MeshFile]) -> Vec<String> {
+    let survey = Survey::of(machine, meshes);
     let mut told = findings(machine, &survey);
     let nominal = told.len();
     for design in designs {
@@ -38,7 +26,7 @@ pub fn study_plausibility(
     let line = |(index, finding): (usize, &Finding)| {
         if index < nominal { finding.to_string() } else { format!("at an end of the study's ranges, {finding}") }
     };
-    Ok(told.iter().enumerate().map(line).collect())
+    told.iter().enumerate().map(line).collect()
 }
 
 /// What is far from any machine in the modes of one position: (frequency in Hz, damping ratio) of each.

@@ -56,7 +56,8 @@ pub(super) fn findings(at: &Place<'_>) -> Vec<Finding> {
     match at.joint.kind {
         JointKind::LinearGuide => found.extend(guide(at)),
         JointKind::Bearing => {
-            found.extend(apart(at, 1.5));
+            // Between the rings of a bearing there is less than its radius.
+            found.extend(apart(at, 0.75));
             found.extend(bearing(at));
         }
         JointKind::Bolted => found.extend(apart(at, 1.5)),
@@ -84,7 +85,7 @@ pub(super) fn findings(at: &Place<'_>) -> Vec<Finding> {
 /// Two sides that should touch and do not, with the largest gap in sizes of the larger side.
 fn apart(at: &Place<'_>, sizes: f64) -> Option<Finding> {
     let [a, b] = [at.patch(0), at.patch(1)];
-    let gap = a.gap(b, [0.0; 3]).min(b.gap(a, [0.0; 3]));
+    let gap = a.gap(b).min(b.gap(a));
     let size = at.size();
     if size <= 0.0 || gap <= sizes * size {
         return None;
@@ -92,7 +93,7 @@ fn apart(at: &Place<'_>, sizes: f64) -> Option<Finding> {
     Some(Finding {
         key: format!("{}.between", at.key),
         seen: format!("{} and {} are {} apart", at.name(0), at.name(1), length(gap)),
-        usual: format!("sides that touch, or a gap below their size of {}", length(size)),
+        usual: format!("sides that touch, or a gap below {}", length(sizes * size)),
         slip: "likely the wrong interface, or a part in the wrong units, orientation or origin".to_owned(),
     })
 }
@@ -135,13 +136,13 @@ fn guide(at: &Place<'_>) -> Vec<Finding> {
     let [low, high] = carriage.extent(direction);
     let own = high - low;
     // The largest gap that a block between rail and carriage, left out of the meshes, would explain.
-    let allowed = own.max(2.0 * footprint);
+    let allowed = own.max(1.5 * footprint);
     // Wherever the carriage is drawn along the travel, it is set over the rail: what counts is the distance across.
     let over = |rail: &Patch| {
         let [from, to] = rail.extent(direction);
         let middle = dot(carriage.centroid, direction);
         let shift = middle.clamp(from.min(to), to.max(from)) - middle;
-        rail.gap(carriage, direction.map(|c| c * shift))
+        rail.rail_gap(carriage, direction.map(|c| c * shift))
     };
     let gap = over(rail);
     let nearer = other_rail(at, &over, gap, carriage.size());

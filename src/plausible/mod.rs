@@ -49,9 +49,14 @@ impl fmt::Display for Finding {
 
 /// Everything about a machine that is far from any machine in use, in the order of the file.
 ///
-/// `survey` is of the same machine, or of one that differs in its joints' values and damping alone.
+/// `survey` is of the same machine, or of one that differs in its joints' values and damping alone. Where an interface
+/// has no surface, its part is judged by mass, size and material alone.
 pub fn findings(machine: &Machine, survey: &Survey) -> Vec<Finding> {
     let mut found = parts::findings(machine, survey);
+    found.extend(motion::analysis_findings(machine));
+    if !survey.has_interfaces() {
+        return found;
+    }
     found.extend(motion::axis_findings(machine, survey));
     for (index, joint) in machine.joints.iter().enumerate() {
         let at = joints::Place { machine, survey, joint, key: joint_key(index, &joint.name) };
@@ -60,7 +65,6 @@ pub fn findings(machine: &Machine, survey: &Survey) -> Vec<Finding> {
         found.extend(screws::findings(&at));
     }
     found.extend(motion::port_findings(machine, survey));
-    found.extend(motion::analysis_findings(machine));
     found
 }
 

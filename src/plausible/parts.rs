@@ -36,8 +36,8 @@ const DENSITY: Usual = Usual {
     of: "a material",
     slips: &[
         (1e3, "g/cm3 for kg/m3: write density = \"7.85 g/cm3\""),
-        (1e12, "t/mm3 in a mesh file read in m-kg-s: units = \"mm-t-s\""),
-        (1e9, "kg/mm3 in a mesh file read in m-kg-s: units = \"mm-kg-ms\""),
+        (1e12, "t/mm3 for kg/m3: units = \"mm-t-s\" if the mesh file gives it, else write density = \"7850 kg/m3\""),
+        (1e9, "kg/mm3 for kg/m3: units = \"mm-kg-ms\" if the mesh file gives it, else write density = \"7850 kg/m3\""),
         (1e-12, "kg/m3 in a mesh file read in mm-t-s: units = \"m-kg-s\", or density = \"7850 kg/m3\""),
         (1e-3, "g/cm3 for kg/m3"),
     ],
@@ -117,7 +117,7 @@ fn of_material(place: &str, material: &Material) -> Vec<Finding> {
     if !(from..=to).contains(&poisson) {
         found.push(Finding {
             key: format!("{place}.poisson"),
-            seen: number(poisson),
+            seen: poisson.to_string(),
             usual: format!("{from} to {to} (steel 0.3, cast iron 0.26)"),
             slip: "check the sign and the decimal point".to_owned(),
         });

@@ -14,8 +14,8 @@ const SOFTER: [(f64, &str); 4] = [
 ];
 const STIFFNESS: [(&str, f64); 2] = [("N/m", 1.0), ("N/um", 1e6)];
 const TURNING: [(f64, &str); 4] = [
-    (1e6, "N mm/rad or MN m/rad"),
-    (1e3, "N m/rad for kN m/rad"),
+    (1e3, "kN m/rad given as N m/rad"),
+    (1e6, "MN m/rad given as N m/rad"),
     (1e-3, "N mm/rad given as N m/rad"),
     (1e-6, "N um/rad given as N m/rad"),
 ];
@@ -67,8 +67,8 @@ const BACKLASH: Usual = Usual {
     units: &LENGTHS,
     of: "a screw's backlash",
     slips: &[
-        (1e-6, "metres for micrometres: a number without quotes is in m, write \"10 um\""),
         (1e-3, "mm for um: write \"10 um\""),
+        (1e-6, "metres for micrometres: a number without quotes is in m, write \"10 um\""),
     ],
 };
 

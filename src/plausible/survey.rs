@@ -4,7 +4,7 @@ use super::geometry::{Bore, bore, minus, norm, to_triangle};
 use crate::machine::{Interface, InterfaceRef, Machine, Material, Part};
 use crate::matrix::DofLabel;
 use crate::mesh::{Mesh, MeshFile};
-use crate::solid::{InterfaceMotion, SolidError, Surface, interface_motions};
+use crate::solid::{InterfaceMotion, Surface, interface_motions};
 use std::collections::HashSet;
 
 /// The parts of a machine, measured.
@@ -25,8 +25,8 @@ pub struct PartSurvey {
     pub bounds: [[f64; 3]; 2],
     /// Materials in use, each with the place that gives it.
     pub materials: Vec<(String, Material)>,
-    /// One an interface.
-    pub interfaces: Vec<Patch>,
+    /// One an interface; `None` where one of them has no surface, which assembling the part refuses.
+    pub interfaces: Option<Vec<Patch>>,
     /// Whether it is held to ground somewhere.
     pub held: bool,
 }
@@ -69,13 +69,14 @@ impl Patch {
         distance(p, &self.triangles, &self.points)
     }
 
-    /// Smallest distance to another patch that is moved by `shift` (m), over this one's whole surface.
-    pub(super) fn gap(&self, other: &Patch, shift: [f64; 3]) -> f64 {
-        // Some 60 places of the smaller surface are enough to tell near from far.
-        let every = other.points.len().div_ceil(60).max(1);
-        let places = other.points.iter().copied().step_by(every).chain([other.centroid]);
-        let moved = places.map(|x| std::array::from_fn(|c| x[c] + shift[c]));
-        moved.map(|x| distance(x, &self.whole, &self.points)).fold(f64::INFINITY, f64::min)
+    /// Smallest distance to another patch, m.
+    pub(super) fn gap(&self, other: &Patch) -> f64 {
+        gap(&self.triangles, &self.points, other, [0.0; 3])
+    }
+
+    /// Smallest distance of a carriage that is moved by `shift` (m) from this rail, whose region does not matter.
+    pub(super) fn rail_gap(&self, carriage: &Patch, shift: [f64; 3]) -> f64 {
+        gap(&self.whole, &self.points, carriage, shift)
     }
 
     /// Range along a direction of the whole surface, m.
@@ -86,6 +87,15 @@ impl Patch {
     }
 }
 
+/// Smallest distance from a surface (or its nodes) to a patch that is moved by `shift`, m.
+fn gap(triangles: &[[[f64; 3]; 3]], points: &[[f64; 3]], other: &Patch, shift: [f64; 3]) -> f64 {
+    // Some 60 places of the other are enough to tell near from far.
+    let every = other.points.len().div_ceil(60).max(1);
+    let places = other.points.iter().copied().step_by(every).chain([other.centroid]);
+    let moved = places.map(|x| std::array::from_fn(|c| x[c] + shift[c]));
+    moved.map(|x| distance(x, triangles, points)).fold(f64::INFINITY, f64::min)
+}
+
 fn distance(p: [f64; 3], triangles: &[[[f64; 3]; 3]], points: &[[f64; 3]]) -> f64 {
     let surface = triangles.iter().map(|t| to_triangle(p, *t)).fold(f64::INFINITY, f64::min);
     if triangles.is_empty() { points.iter().map(|x| norm(minus(p, *x))).fold(f64::INFINITY, f64::min) } else { surface }
@@ -93,18 +103,23 @@ fn distance(p: [f64; 3], triangles: &[[[f64; 3]; 3]], points: &[[f64; 3]]) -> f6
 
 impl Survey {
     /// Measures the parts of a machine.
-    ///
-    /// # Errors
-    /// [`SolidError`] for an interface without a surface.
-    pub fn of(machine: &Machine, meshes: &[MeshFile]) -> Result<Self, SolidError> {
+    pub fn of(machine: &Machine, meshes: &[MeshFile]) -> Self {
         let measured = machine.parts.iter().zip(meshes).map(|(part, file)| PartSurvey::of(part, &file.mesh));
-        let parts = measured.collect::<Result<Vec<_>, _>>()?;
-        let corners = parts.iter().flat_map(|p: &PartSurvey| p.bounds);
-        Ok(Self { bounds: around(corners), parts })
+        let parts: Vec<PartSurvey> = measured.collect();
+        Self { bounds: around(parts.iter().flat_map(|part| part.bounds)), parts }
     }
 
+    /// Whether every interface has a surface.
+    pub fn has_interfaces(&self) -> bool {
+        self.parts.iter().all(|part| part.interfaces.is_some())
+    }
+
+    /// An interface, where [`Survey::has_interfaces`].
     pub(super) fn patch(&self, side: InterfaceRef) -> &Patch {
-        &self.parts[side.part].interfaces[side.interface]
+        match &self.parts[side.part].interfaces {
+            Some(patches) => &patches[side.interface],
+            None => unreachable!("a survey without interfaces is judged by its parts alone"),
+        }
     }
 
     /// The same with each part's Young's modulus and density multiplied, as a design of a study does.
@@ -130,24 +145,25 @@ fn around(points: impl IntoIterator<Item = [f64; 3]>) -> [[f64; 3]; 2] {
 }
 
 impl PartSurvey {
-    fn of(part: &Part, mesh: &Mesh) -> Result<Self, SolidError> {
+    fn of(part: &Part, mesh: &Mesh) -> Self {
         let used: Vec<[f64; 3]> = if mesh.cells.is_empty() {
             mesh.nodes.clone()
         } else {
             mesh.cells.iter().flat_map(|cell| &cell.nodes).map(|&node| mesh.nodes[node]).collect()
         };
         let held = held_nodes(part, mesh);
-        let motions = interface_motions(part, mesh)?;
+        // The reason is not lost: the part is refused with it when it is assembled, right after the warnings.
+        let motions = interface_motions(part, mesh).ok();
         let patch = |((surface, motion), interface): (&(Surface, InterfaceMotion), &Interface)| {
             patch(surface, motion, interface, mesh, &held)
         };
-        Ok(Self {
+        Self {
             mass: mass(part, mesh),
             bounds: around(used),
             materials: materials(part, mesh),
-            interfaces: motions.iter().zip(&part.interfaces).map(patch).collect(),
+            interfaces: motions.map(|motions| motions.iter().zip(&part.interfaces).map(patch).collect()),
             held: !part.clamped.is_empty() || !part.supported.is_empty() || !mesh.supports.is_empty(),
-        })
+        }
     }
 
     /// Diagonal of the box around it, m.
