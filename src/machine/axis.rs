@@ -37,7 +37,7 @@ pub(super) fn read_axis(root: &Table<'_>, parts: &[Part]) -> Result<Axis> {
     if length / step > MOST_POSITIONS {
         return Err(step_item.refuse(
             format!("a step that divides the travel of {length} m into at most {MOST_POSITIONS} intervals"),
-            "make the step larger",
+            "make the step larger, or the travel shorter (a number without quotes is in m)",
         ));
     }
     let moves_item = table.need("moves", "moves = [\"PART\"]  # every part that travels")?;

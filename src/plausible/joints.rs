@@ -68,16 +68,13 @@ pub(super) fn findings(at: &Place<'_>) -> Vec<Finding> {
     if matches!(at.joint.kind, JointKind::Bolted | JointKind::SpringDamper) {
         found.extend(far_point(at));
     }
-    for side in [0, 1] {
-        if at.patch(side).held && at.patch(1 - side).held {
-            found.push(Finding {
-                key: at.key.clone(),
-                seen: format!("{} and {}, whose nodes are all fixed to ground", at.name(0), at.name(1)),
-                usual: "at least one side that can move".to_owned(),
-                slip: "the joint does nothing: correct `clamped` or the sides".to_owned(),
-            });
-            break;
-        }
+    if at.patch(0).held && at.patch(1).held {
+        found.push(Finding {
+            key: at.key.clone(),
+            seen: format!("{} and {}, whose nodes are all fixed to ground", at.name(0), at.name(1)),
+            usual: "at least one side that can move".to_owned(),
+            slip: "the joint does nothing: correct `clamped` or the sides".to_owned(),
+        });
     }
     found
 }
@@ -270,7 +267,7 @@ fn radial_normal(joint: &Joint) -> [f64; 3] {
 
 /// A point as the machine file writes it.
 fn example(x: [f64; 3]) -> String {
-    let quoted = x.map(|c| format!("\"{} mm\"", number((c * 1e6).round() * 1e-3 + 0.0)));
+    let quoted = x.map(|c| format!("\"{} mm\"", number((c * 1e5).round() * 1e-2 + 0.0)));
     format!("at = [{}]", quoted.join(", "))
 }
 

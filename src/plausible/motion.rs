@@ -4,7 +4,7 @@ use super::joints::side_name;
 use super::range::{Usual, length, number};
 use super::survey::diagonal;
 use super::{Finding, Survey};
-use crate::machine::{Axis, Joint, Machine, Motion, SpringStiffness};
+use crate::machine::{Axis, Grid, Joint, Machine, Motion, SpringStiffness};
 use std::f64::consts::TAU;
 
 /// A travel longer than this many times the machine is none of its own.
@@ -101,8 +101,9 @@ pub(super) fn analysis_findings(machine: &Machine) -> Vec<Finding> {
     let analysis = &machine.analysis;
     let mut found = Vec::new();
     let highest = analysis.frequencies.iter().copied().fold(0.0, f64::max);
-    // A list of 0 Hz alone asks for the static flexibility.
-    if highest > 0.0 {
+    // A low list asks for the static flexibility, and a narrow grid looks at one mode; a grid from 0 shows the machine.
+    let lowest = analysis.frequencies.first().copied().unwrap_or(0.0);
+    if highest > HIGHEST.to || (analysis.grid != Grid::Listed && lowest < 0.1 * highest) {
         found.extend(HIGHEST.check(|| "analysis.frequencies".to_owned(), highest));
     }
     let band = analysis.component.band;

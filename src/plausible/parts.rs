@@ -2,7 +2,7 @@
 
 use super::range::{Usual, length, number};
 use super::{Finding, Survey};
-use crate::machine::{Machine, Material};
+use crate::machine::{Machine, Material, MeshUnits};
 
 /// Largest mass of a part, kg: the bed of a gantry of 500 t has some 200 t.
 const HEAVIEST: f64 = 3e6;
@@ -52,12 +52,55 @@ const STIFF: f64 = 1e10;
 pub(super) fn findings(machine: &Machine, survey: &Survey) -> Vec<Finding> {
     let mut found = Vec::new();
     for (part, measured) in survey.parts.iter().enumerate() {
-        found.extend(body(machine, survey, part));
+        let (units, of_mesh) = (machine.parts[part].mesh_units, machine.parts[part].material.is_none());
+        let fitting = |material: &Material| units_that_fit(material, units).filter(|_| of_mesh);
+        found.extend(body(machine, survey, part, measured.materials.iter().find_map(|(_, m)| fitting(m))));
         for (place, material) in &measured.materials {
-            found.extend(of_material(place, material));
+            // The mesh file's materials are in the same units as its nodes: one cause, one warning.
+            match fitting(material) {
+                Some(units) if !is_out_of_scale(machine, survey, part) => {
+                    found.push(in_other_units(place, material, units));
+                }
+                Some(_) => {}
+                None => found.extend(of_material(place, material)),
+            }
         }
     }
     found
+}
+
+/// Unit systems that mesh files are written in.
+const SYSTEMS: [(&str, MeshUnits); 5] = [
+    ("m-kg-s", MeshUnits::METRE_KILOGRAM_SECOND),
+    ("mm-t-s", MeshUnits::MILLIMETRE_TONNE_SECOND),
+    ("mm-kg-ms", MeshUnits { length: 1e-3, mass: 1.0, time: 1e-3 }),
+    ("in-slinch-s", MeshUnits { length: 0.0254, mass: 4.448_221_615_260_5 / 0.0254, time: 1.0 }),
+    ("ft-slug-s", MeshUnits { length: 0.3048, mass: 4.448_221_615_260_5 / 0.3048, time: 1.0 }),
+];
+
+/// The unit system in which a material's numbers are those of a metal, if in the given one they are of nothing.
+fn units_that_fit(material: &Material, units: MeshUnits) -> Option<&'static str> {
+    let fits = |young: f64, density: f64| {
+        (YOUNG.from..=YOUNG.to).contains(&young) && (DENSITY.from..=DENSITY.to).contains(&density)
+    };
+    if fits(material.young, material.density) {
+        return None;
+    }
+    let metal = |(_, other): &&(&str, MeshUnits)| {
+        let young = material.young / units.stress() * other.stress();
+        let density = material.density / units.density() * other.density();
+        (1e10..1e12).contains(&young) && (1e3..2e4).contains(&density)
+    };
+    SYSTEMS.iter().find(metal).map(|(name, _)| *name)
+}
+
+fn in_other_units(place: &str, material: &Material, name: &str) -> Finding {
+    Finding {
+        key: place.to_owned(),
+        seen: format!("{} GPa and {} kg/m3", number(material.young * 1e-9), number(material.density)),
+        usual: format!("{}; {}", YOUNG.words(), DENSITY.words()),
+        slip: format!("likely a mesh file in other units: units = \"{name}\" makes it a metal"),
+    }
 }
 
 /// Whether a part is too large or heavy, and whether too small or light.
@@ -74,18 +117,20 @@ pub(super) fn is_out_of_scale(machine: &Machine, survey: &Survey, part: usize) -
 }
 
 /// A part that is too large, too small, too heavy or too light, in one finding.
-fn body(machine: &Machine, survey: &Survey, part: usize) -> Option<Finding> {
+///
+/// `fitting` is the unit system in which the materials of its mesh file would be metals, if they are of nothing now.
+fn body(machine: &Machine, survey: &Survey, part: usize, fitting: Option<&str>) -> Option<Finding> {
     let [large, small] = scale(machine, survey, part);
     if !large && !small {
         return None;
     }
     let (mass, size) = (survey.parts[part].mass, survey.parts[part].size());
-    let slip = if small {
-        "likely millimetres for metres: give units = \"m-kg-s\" to this part (or the unit its mesh is drawn in)"
-    } else if size > 1e-2 * LARGEST {
-        "likely metres for millimetres: give units = \"mm-t-s\" to this part (or the unit its mesh is drawn in)"
-    } else {
-        "check the density and the units of the mesh"
+    let give = |units: &str| format!("give units = \"{units}\" to this part (or the unit its mesh is drawn in)");
+    let slip = match fitting {
+        Some(units) => format!("likely a mesh file in other units: units = \"{units}\" makes its material a metal"),
+        None if small => format!("likely millimetres for metres: {}", give("m-kg-s")),
+        None if size > 1e-2 * LARGEST => format!("likely metres for millimetres: {}", give("mm-t-s")),
+        None => "check the density and the units of the mesh".to_owned(),
     };
     Some(Finding {
         key: format!("parts.{}", machine.parts[part].name),
@@ -96,7 +141,7 @@ fn body(machine: &Machine, survey: &Survey, part: usize) -> Option<Finding> {
             length(LARGEST),
             number(HEAVIEST)
         ),
-        slip: slip.to_owned(),
+        slip,
     })
 }
 

@@ -72,9 +72,10 @@ pub(super) fn length(value: f64) -> String {
     if size < 1.0 { format!("{} mm", number(value * 1e3)) } else { format!("{} m", number(value)) }
 }
 
-/// A point, m.
+/// A point, m; a hundredth of a millimetre is enough.
 pub(super) fn point(x: [f64; 3]) -> String {
-    format!("({}) m", x.map(number).join(", "))
+    let rounded = |c: f64| if c.abs() < 1e3 { (c * 1e5).round() * 1e-5 + 0.0 } else { c };
+    format!("({}) m", x.map(|c| number(rounded(c))).join(", "))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::{mill, told};
 use std::path::Path;
-use stiffmap::machine::read_machine;
+use stiffmap::machine::{MeshUnits, read_machine};
 use stiffmap::pipeline;
 
 /// Replacements that leave a machine somebody could have built.
@@ -53,6 +53,8 @@ const SOUND: &[&[(&str, &str)]] = &[
     ],
     &[("to = \"1500 Hz\", step = \"10 Hz\"", "to = \"18 kHz\", step = \"100 Hz\"")],
     &[("{ from = \"0 Hz\", to = \"1500 Hz\", step = \"10 Hz\" }", "[0]")],
+    &[("{ from = \"0 Hz\", to = \"1500 Hz\", step = \"10 Hz\" }", "[0, 0.01]")],
+    &[("{ from = \"0 Hz\", to = \"1500 Hz\", step = \"10 Hz\" }", "{ from = 1.2, to = 1.5, step = 0.001 }")],
     &[("ratio = 0.02", "ratio = 0")],
     &[("ratio = 0.02", "ratio = 0.15")],
     &[("ratio = 0.02", "rayleigh = { alpha = \"30 1/s\", beta = \"2e-5 s\" }")],
@@ -87,4 +89,23 @@ fn the_bundled_mill_gets_no_warning_and_one_of_its_values_off_by_a_million_does(
     let stiffness = &mut machine.joints[0].springs[0].stiffness;
     *stiffness = stiffmap::machine::SpringStiffness::Constant(77.0);
     assert_eq!(pipeline::plausibility(&machine, &meshes).len(), 1);
+}
+
+#[test]
+fn a_mesh_file_in_other_units_than_the_machine_file_says_is_told_with_the_right_ones() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("machines/vertical_mill");
+    let machine = read_machine(&folder).unwrap();
+    // The drive's mesh is in m, kg, s, its material of 70 GPa and 6000 kg/m3 too.
+    for (units, right) in [
+        (MeshUnits::MILLIMETRE_TONNE_SECOND, "units = \"m-kg-s\" makes its material a metal"),
+        (MeshUnits { length: 0.0254, mass: 0.4536, time: 1.0 }, "units = \"m-kg-s\" makes it a metal"),
+        (MeshUnits { length: 0.01, mass: 1e-3, time: 1.0 }, "4.874 mm across"),
+    ] {
+        let mut wrong = machine.clone();
+        let drive = wrong.parts.iter_mut().find(|part| part.name == "drive").unwrap();
+        drive.mesh_units = units;
+        let told = pipeline::plausibility(&wrong, &pipeline::read_meshes(&wrong).unwrap());
+        let of_drive: Vec<_> = told.iter().filter(|line| line.starts_with("parts.drive")).collect();
+        assert!(of_drive.len() == 1 && of_drive[0].contains(right), "{told:#?}");
+    }
 }
