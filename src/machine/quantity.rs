@@ -77,6 +77,7 @@ impl Dimension {
         let [smallest, largest] = self.computable();
         let unit = if self == Self::Ratio { "" } else { self.units()[0] };
         let range = if positive && smallest > 0.0 {
+            let smallest = if smallest < 1.0 { format!("{smallest:e}") } else { smallest.to_string() };
             format!("from {smallest} to {largest:e} {unit}")
         } else {
             format!("of size at most {largest:e} {unit}")

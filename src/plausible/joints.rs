@@ -194,13 +194,17 @@ fn guide(at: &Place<'_>) -> Vec<Finding> {
 
 /// Another rail of the same part that lies much nearer to the carriage: its name and its distance.
 fn other_rail(at: &Place<'_>, over: &dyn Fn(&Patch) -> f64, gap: f64, size: f64) -> Option<(String, f64)> {
+    // Most carriages are on their rail, and need no other one measured.
+    if gap <= 0.5 * size {
+        return None;
+    }
     let rail = at.joint.between[0];
     let guides = at.machine.joints.iter().filter(|j| j.kind == JointKind::LinearGuide).map(|j| j.between[0]);
     let others = guides.filter(|other| other.part == rail.part && other.interface != rail.interface);
     let nearest = others
         .map(|other| (other, over(at.survey.patch(other))))
         .min_by(|a, b| a.1.total_cmp(&b.1))
-        .filter(|(_, distance)| gap > 5.0 * distance && gap > 0.5 * size)?;
+        .filter(|(_, distance)| gap > 5.0 * distance)?;
     Some((side_name(at.machine, nearest.0), nearest.1))
 }
 

@@ -31,7 +31,8 @@ use std::fmt;
 /// A value far from any machine in use.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// Key of the machine file, such as `joints[3] "front bearing".at` (joints are counted from 1).
+    /// Key of the machine file, such as `joints[3] "front bearing".at` (joints are counted from 1); several with commas
+    /// where they share one finding.
     pub key: String,
     /// The value seen, with its unit.
     pub seen: String,
@@ -55,7 +56,7 @@ pub fn findings(machine: &Machine, survey: &Survey) -> Vec<Finding> {
     let mut found = parts::findings(machine, survey);
     found.extend(motion::analysis_findings(machine));
     if !survey.has_interfaces() {
-        return found;
+        return together(found);
     }
     found.extend(motion::axis_findings(machine, survey));
     for (index, joint) in machine.joints.iter().enumerate() {
@@ -65,7 +66,22 @@ pub fn findings(machine: &Machine, survey: &Survey) -> Vec<Finding> {
         found.extend(screws::findings(&at));
     }
     found.extend(motion::port_findings(machine, survey));
-    found
+    together(found)
+}
+
+/// One finding in place of several that say the same of several keys: a slip in four guides is told once.
+fn together(found: Vec<Finding>) -> Vec<Finding> {
+    let mut merged: Vec<Finding> = Vec::new();
+    for finding in found {
+        let says_the_same = |other: &&mut Finding| {
+            (&other.seen, &other.usual, &other.slip) == (&finding.seen, &finding.usual, &finding.slip)
+        };
+        match merged.iter_mut().find(says_the_same) {
+            Some(other) => other.key += &format!(", {}", finding.key),
+            None => merged.push(finding),
+        }
+    }
+    merged
 }
 
 /// Key of a joint as messages write it.

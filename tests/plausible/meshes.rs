@@ -3,7 +3,10 @@
 
 use std::fmt::Write as _;
 
-/// Nodes, bricks and node sets.
+/// A node set: its name, and whether a node (mm) is in it.
+type Set<'a> = (&'a str, &'a dyn Fn([f64; 3]) -> bool);
+
+/// Nodes and bricks.
 struct Mesh {
     nodes: Vec<[f64; 3]>,
     bricks: Vec<[usize; 8]>,
@@ -54,7 +57,7 @@ impl Mesh {
     }
 
     /// The file, with the nodes for which each predicate holds as sets.
-    fn text(&self, sets: &[(&str, &dyn Fn([f64; 3]) -> bool)]) -> String {
+    fn text(&self, sets: &[Set<'_>]) -> String {
         let mut out = String::from("*NODE\n");
         for (i, [x, y, z]) in self.nodes.iter().enumerate() {
             writeln!(out, "{}, {x:.6}, {y:.6}, {z:.6}", i + 1).unwrap();

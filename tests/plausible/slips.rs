@@ -77,7 +77,7 @@ const PARTS_AND_ANALYSIS: &[Slip] = &[
     (
         "a density of nothing",
         &[(BED_MATERIAL, "young = \"115 GPa\", poisson = 0.26, density = 1e-300 }\nclamped")],
-        &["machine.toml:14: parts.bed.material.density", "1e-300", "from 0.000001 to 1e9 kg/m3"],
+        &["machine.toml:14: parts.bed.material.density", "1e-300", "from 1e-6 to 1e9 kg/m3"],
     ),
     (
         "a modulus of 1e300",
@@ -173,6 +173,15 @@ fn each_slip_is_told_with_its_place_and_its_likely_cause() {
         }
     }
     assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
+
+#[test]
+fn a_slip_that_is_made_in_four_guides_is_told_once() {
+    let lines = told(mill(&[("y = \"150 N/um\"", "y = 150")]).path()).unwrap();
+    let [line] = lines.as_slice() else { panic!("{lines:#?}") };
+    for (index, guide) in ["A", "B", "C", "D"].iter().enumerate() {
+        assert!(line.contains(&format!("joints[{}] \"guide {guide}\".stiffness.y", index + 1)), "{line}");
+    }
 }
 
 #[test]
