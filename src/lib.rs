@@ -6,6 +6,7 @@
 //! each part, once (cached by content hash):
 //!   mesh           -> Mesh               nodes, cells, named sets; or matrix -> stiffness and mass as given
 //!   solid          -> SecondOrder        sparse mass and stiffness, and rows for every interface
+//!   plausible      -> Findings           values far from any machine in use: warnings, and the slip behind each
 //!   reduction      -> Superelement       M = I, K = diag(lambda), the interfaces' rows in reduced coordinates
 //! the machine:
 //!   coupling       -> CoupledModel       lambda, B(p), k(p): position and joint stiffness enter here and nowhere else
@@ -32,6 +33,8 @@ pub mod mesh;
 
 pub mod element;
 pub mod solid;
+
+pub mod plausible;
 
 pub mod reduction;
 

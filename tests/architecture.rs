@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The way of the data; a module uses only what stands before it.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "interrupt",
     "machine",
     "linalg",
@@ -12,6 +12,7 @@ const ORDER: [&str; 18] = [
     "mesh",
     "element",
     "solid",
+    "plausible",
     "reduction",
     "coupling",
     "modal",

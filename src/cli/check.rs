@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::coupling::reduction_requests;
 use stiffmap::machine::{Contact, Grid, JointKind, Machine, Motion, Part, ScrewSupport, SpringStiffness, read_machine};
+use stiffmap::mesh::MeshFile;
 use stiffmap::pipeline;
 use stiffmap::solid::assemble;
 
@@ -21,6 +22,18 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     let (path, _bundled) = machine_path(arguments.machine.as_deref())?;
     let machine = read_machine(&path)?;
     let meshes = pipeline::read_meshes(&machine)?;
+    let mut warnings = pipeline::plausibility(&machine, &meshes);
+    let described = describe(&machine, &meshes, &mut warnings);
+    // What is implausible explains a refusal, so it is said in either case.
+    if described.is_err() {
+        warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    }
+    print!("{}", described?);
+    Ok(())
+}
+
+/// What is understood of a machine in lines, its warnings last; those of the travel are added to the given ones.
+fn describe(machine: &Machine, meshes: &[MeshFile], warnings: &mut Vec<String>) -> Result<String> {
     let mut out = String::new();
     writeln!(out, "{}\n", machine.name)?;
     writeln!(out, "part              nodes  elements  unknowns    mass kg  interfaces")?;
@@ -28,7 +41,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     let mut unknowns = 0;
     let mut surfaces = Vec::new();
     let mut systems = Vec::new();
-    for (part, file) in machine.parts.iter().zip(&meshes) {
+    for (part, file) in machine.parts.iter().zip(meshes) {
         let system = assemble(part, &file.mesh).map_err(pipeline::PipelineError::from)?;
         writeln!(
             out,
@@ -49,23 +62,22 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         centroids.push(system.interfaces.iter().map(|i| i.centroid).collect::<Vec<_>>());
         systems.push(system);
     }
-    let requests = reduction_requests(&machine, &centroids);
+    let requests = reduction_requests(machine, &centroids);
     let coordinates: usize = requests.iter().zip(&surfaces).map(|(r, s)| r.most_coordinates(s)).sum();
     writeln!(
         out,
         "unknowns before the reduction: {unknowns}; coordinates after the reduction: at most {coordinates}\n"
     )?;
-    describe_joints(&mut out, &machine, &centroids)?;
-    describe_axis(&mut out, &machine)?;
-    for free in pipeline::mechanisms(&machine, &meshes, &systems, machine.axis.travel[0])? {
+    describe_joints(&mut out, machine, &centroids)?;
+    describe_axis(&mut out, machine)?;
+    for free in pipeline::mechanisms(machine, meshes, &systems, machine.axis.travel[0])? {
         writeln!(out, "free motion at 0 Hz: {free}")?;
     }
-    let warnings = pipeline::check_travel(&machine, &meshes, &centroids)?;
+    warnings.extend(pipeline::check_travel(machine, meshes, &centroids)?);
     for warning in warnings {
         writeln!(out, "warning: {warning}")?;
     }
-    print!("{out}");
-    Ok(())
+    Ok(out)
 }
 
 /// Where a part is held to ground.

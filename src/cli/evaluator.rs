@@ -36,7 +36,9 @@ pub struct Reduced {
 pub fn reduce(study: &Study, no_cache: bool, progress: &mut Progress, interrupt: &Interrupt) -> Result<Reduced> {
     let machine = &study.machine;
     let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(machine))?;
-    let mut warnings = mesh_warnings(machine, &meshes);
+    let mut warnings = pipeline::study_plausibility(machine, &study.probes(), &meshes);
+    progress.warn(&warnings);
+    warnings.extend(mesh_warnings(machine, &meshes));
     let cache = if no_cache { None } else { cache_folder().map(Cache::in_folder) };
     let cached = progress.stage("reduce parts", machine.parts.len(), |step| {
         pipeline::reduce_parts(machine, &meshes, cache.as_ref(), interrupt, step)

@@ -59,6 +59,11 @@ impl Progress {
         }
     }
 
+    /// Says warnings before a long computation; they stand in summary and manifest again.
+    pub fn warn(&self, warnings: &[String]) {
+        warnings.iter().for_each(|warning| self.say(&format!("warning: {warning}")));
+    }
+
     /// Wall seconds of each stage so far.
     pub fn seconds(&self) -> &[(String, f64)] {
         &self.seconds

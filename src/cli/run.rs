@@ -105,7 +105,9 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
 
     let parts = machine.parts.len();
     let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(&machine))?;
-    let mut warnings = mesh_warnings(&machine, &meshes);
+    let mut warnings = pipeline::plausibility(&machine, &meshes);
+    progress.warn(&warnings);
+    warnings.extend(mesh_warnings(&machine, &meshes));
     let cache = if arguments.no_cache { None } else { cache_folder().map(Cache::in_folder) };
     let cached = progress.stage("reduce parts", parts, |step| {
         pipeline::reduce_parts(&machine, &meshes, cache.as_ref(), interrupt, step)
@@ -145,6 +147,10 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             solved => break solved?,
         }
     };
+    let first = solved.families.modes.iter().take(1).flatten().map(|mode| (mode.frequency, mode.damping_ratio));
+    let of_modes = pipeline::modal_plausibility(axes.positions[0], first);
+    progress.warn(&of_modes);
+    warnings.extend(of_modes);
     checks.push(figure(
         "modes found minus modes counted by inertia, largest over the positions",
         solved.counts.iter().map(|c| c.found.abs_diff(c.counted)).max().unwrap_or(0) as f64,

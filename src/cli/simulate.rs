@@ -240,7 +240,9 @@ impl Arguments {
         interrupt: &Interrupt,
     ) -> Result<CoupledModel> {
         let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(machine))?;
-        manifest.warnings = mesh_warnings(machine, &meshes);
+        manifest.warnings = pipeline::plausibility(machine, &meshes);
+        progress.warn(&manifest.warnings);
+        manifest.warnings.extend(mesh_warnings(machine, &meshes));
         let cache = if self.no_cache { None } else { cache_folder().map(Cache::in_folder) };
         let cached = progress.stage("reduce parts", machine.parts.len(), |step| {
             pipeline::reduce_parts(machine, &meshes, cache.as_ref(), interrupt, step)

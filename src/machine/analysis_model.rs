@@ -5,7 +5,7 @@
 pub struct Analysis {
     /// Reduction of the parts.
     pub component: ComponentAnalysis,
-    /// Modes in the state space of each position (free modes at 0 Hz included).
+    /// Elastic modes of each position; free motions at 0 Hz come on top.
     pub modes: usize,
     /// Frequencies of the map, Hz, ascending; of a clustered grid its background alone, until the modes are known.
     pub frequencies: Vec<f64>,

@@ -27,7 +27,8 @@ pub(super) fn read_axis(root: &Table<'_>, parts: &[Part]) -> Result<Axis> {
     };
     let table = item.table()?;
     let direction = read_direction(&table.need("direction", "direction = [0, 0, 1]")?)?;
-    let travel_item = table.need("travel", "travel = [\"0 mm\", \"-600 mm\"]")?;
+    let travel_item = table
+        .need("travel", "travel = [\"0 mm\", \"-600 mm\"]  # first and last position; the meshes are drawn at 0")?;
     let [from, to] = travel_item.array()?;
     let travel = [from.quantity(Dimension::Length, Bound::Any)?, to.quantity(Dimension::Length, Bound::Any)?];
     let step_item = table.need("step", "step = \"5 mm\"")?;
@@ -36,10 +37,10 @@ pub(super) fn read_axis(root: &Table<'_>, parts: &[Part]) -> Result<Axis> {
     if length / step > MOST_POSITIONS {
         return Err(step_item.refuse(
             format!("a step that divides the travel of {length} m into at most {MOST_POSITIONS} intervals"),
-            "make the step larger",
+            "make the step larger, or the travel shorter (a number without quotes is in m)",
         ));
     }
-    let moves_item = table.need("moves", "moves = [\"PART\", ...]")?;
+    let moves_item = table.need("moves", "moves = [\"PART\"]  # every part that travels")?;
     let moves = read_moves(&moves_item, parts)?;
     if length > 0.0 && moves.iter().all(|&moved| moved == moves[0]) {
         return Err(moves_item.refuse(

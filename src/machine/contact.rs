@@ -24,7 +24,7 @@ pub(super) fn read_friction(item: &Item<'_>) -> Result<Friction> {
         (Some(one), None) | (None, Some(one)) => {
             return Err(one.refuse(
                 "`breakaway` and `stribeck` together, or neither",
-                "add the other: breakaway = \"80 N\" and stribeck = \"1 mm/s\"",
+                format!("add the other: breakaway = \"{} N\" and stribeck = \"1 mm/s\"", 1.5 * coulomb),
             ));
         }
     };

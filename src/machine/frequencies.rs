@@ -121,7 +121,8 @@ fn require_above(from: f64, to: f64, item: &Item<'_>) -> Result<()> {
 }
 
 fn read_list(item: &Item<'_>) -> Result<Vec<f64>> {
-    const ALLOWED: &str = "an ascending list of frequencies, or { from, to, step }";
+    const ALLOWED: &str =
+        "an ascending list such as [5, \"25 Hz\"], or { from = \"0 Hz\", to = \"900 Hz\", step = \"1 Hz\" }";
     if !item.is_list() {
         return Err(item.refuse(ALLOWED, "write one of them"));
     }

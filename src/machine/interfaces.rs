@@ -77,7 +77,7 @@ fn read_coupling(item: &Item<'_>) -> Result<SurfaceCoupling> {
 /// A range along one axis, `{ axis = "z", from = .., to = .. }`, or a box, `{ x = [from, to], .. }`;
 /// what is left out is not bounded.
 fn read_region(item: &Item<'_>) -> Result<Region> {
-    const ALLOWED: &str = "{ axis = \"z\", from = \"10 mm\", to = \"30 mm\" }, or a box { x = [from, to], y = .. }";
+    const ALLOWED: &str = "{ axis = \"z\", from = \"10 mm\", to = \"30 mm\" }, or a box { x = [\"0 mm\", \"50 mm\"], z = [\"10 mm\", \"30 mm\"] }";
     let table = item.table()?;
     let mut region = Region { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
     let mut bounded = false;

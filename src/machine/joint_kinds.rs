@@ -34,7 +34,7 @@ pub(super) fn read_linear_guide(table: &Table<'_>, around: &Surroundings<'_>) ->
     }
     let footprint = table.need("footprint", "footprint = \"90 mm\"")?.quantity(Dimension::Length, Bound::Positive)?;
     let ways = global_ways();
-    let springs = read_springs(table, &ways)?;
+    let springs = read_springs(table, &ways, across(around.axis.direction))?;
     let holds = |spring: &&Spring| {
         let along = are_parallel(spring.direction, around.axis.direction);
         spring.motion == Motion::Translation && along && spring.stiffness != SpringStiffness::Constant(0.0)
@@ -52,25 +52,35 @@ pub(super) fn read_linear_guide(table: &Table<'_>, around: &Surroundings<'_>) ->
     Ok(Joint { footprint: Some(footprint), contact: friction.map(Contact::Friction), ..joint })
 }
 
+/// The stiffnesses of a guide, as a message writes them: across the travel.
+fn across(travel: [f64; 3]) -> &'static str {
+    match (0..3).find(|&c| travel[c].abs() > 0.5) {
+        Some(0) => "stiffness = { y = \"150 N/um\", z = \"150 N/um\" }",
+        Some(1) => "stiffness = { x = \"150 N/um\", z = \"150 N/um\" }",
+        _ => "stiffness = { x = \"150 N/um\", y = \"150 N/um\" }",
+    }
+}
+
 /// A spring of no stiffness along the travel, whose motion is what friction sees.
 fn travel_row(direction: [f64; 3]) -> Spring {
     let stiffness = SpringStiffness::Constant(0.0);
     Spring { motion: Motion::Translation, direction, stiffness, damping: 0.0, label: "travel".to_owned() }
 }
 
-/// A bearing: `radial` in two perpendicular directions, `axial` along its axis, at a point of it.
+/// A bearing: `radial` in two perpendicular directions, `axial` along its axis, at a point of it; without `at` at the
+/// centroid of the first side, its seat.
 pub(super) fn read_bearing(table: &Table<'_>, around: &Surroundings<'_>) -> Result<Joint> {
     let (item, between) = read_between(table, around)?;
     around.check_stays(&item, between, "bearing")?;
     let axis = read_direction(&table.need("axis", "axis = \"z\"")?)?;
-    let at = read_point(&table.need("at", "at = [\"0 mm\", \"0 mm\", \"100 mm\"]")?)?;
+    let at = read_point_or_centroid(table, 0)?;
     let [u, v] = perpendicular(axis);
     let ways = [
         Way { key: "radial", motion: Motion::Translation, springs: vec![("radial 1", u), ("radial 2", v)] },
         Way { key: "axial", motion: Motion::Translation, springs: vec![("axial", axis)] },
     ];
-    let springs = read_springs(table, &ways)?;
-    Ok(joint(JointKind::Bearing, between, JointPoint::Point(at), springs))
+    let springs = read_springs(table, &ways, "stiffness = { radial = \"200 N/um\", axial = \"100 N/um\" }")?;
+    Ok(joint(JointKind::Bearing, between, at, springs))
 }
 
 /// A ball screw: one spring along its axis, at the centroid of the nut.
@@ -113,7 +123,10 @@ fn read_support(table: &Table<'_>) -> Result<ScrewSupport> {
         },
     };
     if both {
-        let span = table.need("span", "span = \"1200 mm\", the distance between the two supports")?;
+        let span = table.need(
+            "span",
+            "span = \"1200 mm\"  # distance between the two supports, longer than the screw is free anywhere",
+        )?;
         return Ok(ScrewSupport::BothEnds { span: span.quantity(Dimension::Length, Bound::Positive)? });
     }
     if let Some(span) = span {
@@ -122,17 +135,21 @@ fn read_support(table: &Table<'_>) -> Result<ScrewSupport> {
     Ok(ScrewSupport::OneEnd)
 }
 
+/// The stiffnesses of a bolted connection, as a message writes them.
+const SIX: &str = "stiffness = { x = \"1e10 N/m\", y = \"1e10 N/m\", z = \"1e10 N/m\", rx = \"1e8 N m/rad\", \
+                   ry = \"1e8 N m/rad\", rz = \"1e8 N m/rad\" }";
+
 /// A bolted connection: all six stiffnesses, at the centroid of the second side unless `at` says else.
 pub(super) fn read_bolted(table: &Table<'_>, around: &Surroundings<'_>) -> Result<Joint> {
     let (item, between) = read_between(table, around)?;
     around.check_stays(&item, between, "bolted joint")?;
-    let at = read_optional_point(table)?;
+    let at = read_point_or_centroid(table, 1)?;
     let ways = global_ways();
-    let springs = read_springs(table, &ways)?;
+    let springs = read_springs(table, &ways, SIX)?;
     let is_soft =
         |key: &&str| !springs.iter().any(|s| s.label == **key && s.stiffness != SpringStiffness::Constant(0.0));
     if let Some(missing) = ways.iter().map(|way| way.key).find(is_soft) {
-        return Err(table.need("stiffness", "stiffness = { x, y, z, rx, ry, rz }")?.refuse(
+        return Err(table.need("stiffness", SIX)?.refuse(
             format!("all six of x, y, z, rx, ry, rz ({missing} is missing)"),
             "add it; a connection that leaves a direction free is a spring-damper",
         ));
@@ -143,18 +160,18 @@ pub(super) fn read_bolted(table: &Table<'_>, around: &Surroundings<'_>) -> Resul
 /// Springs and dampers along one `direction`, or along and about the global axes.
 pub(super) fn read_spring_damper(table: &Table<'_>, around: &Surroundings<'_>) -> Result<Joint> {
     let (_, between) = read_between(table, around)?;
-    let at = read_optional_point(table)?;
+    let at = read_point_or_centroid(table, 1)?;
     let springs = match table.get("direction") {
         Some(item) => vec![read_single_spring(table, "axial", read_direction(&item)?)?],
-        None => read_springs(table, &global_ways())?,
+        None => read_springs(table, &global_ways(), "stiffness = { x = \"100 N/um\", y = \"100 N/um\" }")?,
     };
     Ok(joint(JointKind::SpringDamper, between, at, springs))
 }
 
-/// The point `at`, or the centroid of the second side.
-fn read_optional_point(table: &Table<'_>) -> Result<JointPoint> {
+/// The point `at`, or the centroid of a side.
+fn read_point_or_centroid(table: &Table<'_>, side: usize) -> Result<JointPoint> {
     let point = table.get("at").map(|item| read_point(&item)).transpose()?;
-    Ok(point.map_or(JointPoint::Centroid(1), JointPoint::Point))
+    Ok(point.map_or(JointPoint::Centroid(side), JointPoint::Point))
 }
 
 /// Two unit vectors that make a right-handed system with the unit vector `axis`; x and y for z.

@@ -77,7 +77,8 @@ fn read_joint(item: &Item<'_>, name: &str, around: &Surroundings<'_>) -> Result<
     const KINDS: [&str; 5] = ["linear-guide", "bearing", "ball-screw", "bolted", "spring-damper"];
     let table = item.table()?;
     table.get("name");
-    let kind = table.need("type", "type = \"linear-guide\", bearing, ball-screw, bolted or spring-damper")?;
+    let kind = table
+        .need("type", "type = \"linear-guide\"  # or \"bearing\", \"ball-screw\", \"bolted\", \"spring-damper\"")?;
     let loss_factor = table.get("loss_factor").map(|item| read_loss_factor(&item)).transpose()?;
     let joint = match find_name(&kind, "joint type", kind.text()?, &KINDS)? {
         0 => read_linear_guide(&table, around)?,

@@ -73,7 +73,7 @@ pub(super) fn read_matrix_files(
     let name = |key| table.get(key).map(|item| item.text().map(str::to_owned)).transpose();
     let files = MatrixFiles {
         stiffness: read_mesh_path(&table.need("stiffness", "stiffness = \"FILE.mtx\"")?, folder)?,
-        mass: read_mesh_path(&table.need("mass", "mass = \"FILE.mtx\"; a part without mass has no modes")?, folder)?,
+        mass: read_mesh_path(&table.need("mass", "mass = \"FILE.mtx\"")?, folder)?,
         stiffness_name: name("stiffness_name")?,
         mass_name: name("mass_name")?,
         dofs: optional("dofs")?,

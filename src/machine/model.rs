@@ -142,7 +142,7 @@ pub struct Interface {
     pub name: String,
     /// Node set of the mesh.
     pub nodes: String,
-    /// Region that clips the surface, in the coordinates of the mesh (m); `None` takes all of it.
+    /// Region that clips the surface, in the machine's coordinates as the meshes are drawn (m); `None` takes all of it.
     pub within: Option<Region>,
     /// How the surface's motion follows from its nodes.
     pub coupling: SurfaceCoupling,

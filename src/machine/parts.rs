@@ -16,6 +16,9 @@ type Result<T> = std::result::Result<T, MachineError>;
 /// Largest loss factor accepted; rubber reaches about 1.
 const LARGEST_LOSS_FACTOR: f64 = 2.0;
 
+/// Closest that Poisson's ratio may come to -1 and 0.5, where a stiffness becomes infinite.
+const CLOSEST: f64 = 1e-6;
+
 pub(super) fn read_parts(root: &Table<'_>, file: &Path) -> Result<Vec<Part>> {
     let folder = file.parent().unwrap_or(Path::new(""));
     let units = root.get("units").map(|item| read_units(&item)).transpose()?;
@@ -96,8 +99,9 @@ fn read_material(item: &Item<'_>, part: &str) -> Result<Material> {
     let young = table.need("young", "young = \"210 GPa\"")?.quantity(Dimension::Pressure, Bound::Positive)?;
     let poisson_item = table.need("poisson", "poisson = 0.3")?;
     let poisson = poisson_item.plain_number()?;
-    if !(poisson > -1.0 && poisson < 0.5) {
-        return Err(poisson_item.refuse("more than -1 and less than 0.5", "correct Poisson's ratio"));
+    if !(poisson > -1.0 + CLOSEST && poisson < 0.5 - CLOSEST) {
+        let allowed = format!("more than -1 and less than 0.5, by {CLOSEST:e} at least");
+        return Err(poisson_item.refuse(allowed, "correct Poisson's ratio; 0.3 for steel"));
     }
     let density = table.need("density", "density = \"7850 kg/m3\"")?.quantity(Dimension::Density, Bound::Positive)?;
     table.finish()?;

@@ -53,6 +53,45 @@ impl Dimension {
         self.facts().1
     }
 
+    /// Smallest positive and largest absolute value that can be computed with, SI; both far beyond any machine. What
+    /// lies outside would overflow, or vanish beside the rest, somewhere in the computation.
+    pub fn computable(self) -> [f64; 2] {
+        match self {
+            Self::Length => [1e-12, 1e5],
+            Self::Stiffness | Self::RotationalStiffness => [1e-6, 1e16],
+            Self::Compliance => [0.0, 1e16],
+            Self::Damping | Self::RotationalDamping => [0.0, 1e12],
+            Self::Pressure => [1.0, 1e16],
+            Self::Density => [1e-6, 1e9],
+            Self::Frequency => [0.0, 1e9],
+            Self::InverseTime => [0.0, 1e6],
+            Self::Time => [0.0, 10.0],
+            Self::Force => [0.0, 1e12],
+            Self::Speed => [1e-12, 1e6],
+            Self::Ratio => [0.0, 1e9],
+        }
+    }
+
+    /// The words for [`Dimension::computable`], such as `from 1e-12 to 1e5 m`.
+    fn computable_words(self, positive: bool) -> String {
+        let [smallest, largest] = self.computable();
+        let unit = if self == Self::Ratio { "" } else { self.units()[0] };
+        let range = if positive && smallest > 0.0 {
+            let smallest = if smallest < 1.0 { format!("{smallest:e}") } else { smallest.to_string() };
+            format!("from {smallest} to {largest:e} {unit}")
+        } else {
+            format!("of size at most {largest:e} {unit}")
+        };
+        range.trim_end().to_owned()
+    }
+
+    /// Why a value cannot be computed with, in words of what is allowed, if it cannot.
+    pub(crate) fn refused_range(self, value: f64, positive: bool) -> Option<String> {
+        let [smallest, largest] = self.computable();
+        let fits = value.abs() <= largest && (!positive || value >= smallest);
+        (!fits).then(|| format!("{} {}", self.name(), self.computable_words(positive)))
+    }
+
     fn facts(self) -> (&'static str, &'static [&'static str], Exponents) {
         match self {
             Self::Length => ("a length", &["m", "mm", "um"], [1, 0, 0, 0, 0]),

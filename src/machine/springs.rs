@@ -26,12 +26,13 @@ pub(super) fn global_ways() -> Vec<Way> {
 
 /// One spring for every way that `stiffness` or `damping` names; a way that only `damping` names is a
 /// damper without stiffness.
-pub(super) fn read_springs(joint: &Table<'_>, ways: &[Way]) -> Result<Vec<Spring>> {
-    const EXPECTED: &str = "stiffness = { .. } with a value for each direction";
+///
+/// `expected` is an example of `stiffness` that serves this joint.
+pub(super) fn read_springs(joint: &Table<'_>, ways: &[Way], expected: &'static str) -> Result<Vec<Spring>> {
     let damping_item = joint.get("damping");
     let stiffness_item = match joint.get("stiffness") {
         None if damping_item.is_some() => None,
-        _ => Some(joint.need("stiffness", EXPECTED)?),
+        _ => Some(joint.need("stiffness", expected)?),
     };
     let stiffness = stiffness_item.as_ref().map(Item::table).transpose()?;
     let damping = damping_item.as_ref().map(Item::table).transpose()?;
@@ -58,7 +59,10 @@ pub(super) fn read_springs(joint: &Table<'_>, ways: &[Way]) -> Result<Vec<Spring
     if springs.is_empty() {
         let keys: Vec<&str> = ways.iter().map(|way| way.key).collect();
         let empty = stiffness_item.or(damping_item).unwrap_or_else(|| joint.item.clone());
-        return Err(empty.refuse(format!("at least one of {}", keys.join(", ")), "give a value for a direction"));
+        return Err(empty.refuse(
+            format!("at least one of {}", keys.join(", ")),
+            format!("give a value for a direction: {expected}"),
+        ));
     }
     Ok(springs)
 }

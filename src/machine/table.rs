@@ -159,7 +159,12 @@ impl<'a> Item<'a> {
         let allowed = match bound {
             Bound::Positive if value <= 0.0 => "a positive value",
             Bound::NotNegative if value < 0.0 => "zero or a positive value",
-            _ => return Ok(value),
+            _ => {
+                let outside = dimension.refused_range(value, matches!(bound, Bound::Positive));
+                return outside.map_or(Ok(value), |allowed| {
+                    Err(self.refuse(allowed, "correct the value or its unit; nothing could be computed with it"))
+                });
+            }
         };
         Err(self.refuse(
             format!("{allowed} ({} in {})", dimension.name(), dimension.units().join(", ")),

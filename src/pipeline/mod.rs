@@ -1,10 +1,12 @@
 //! The main job's stages, each a function from one named struct to the next.
 
 mod mechanism;
+mod plausibility;
 mod reduction_error;
 mod travel;
 
 pub use mechanism::mechanisms;
+pub use plausibility::{modal_plausibility, plausibility, study_plausibility};
 pub use reduction_error::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, few_component_modes, reduction_errors};
 pub use travel::{check_travel, screw_length};
 

@@ -205,6 +205,10 @@ impl Reading<'_> {
         let bound = if may_vanish { Bound::NotNegative } else { Bound::Positive };
         let value = item.quantity(if self.factor { Dimension::Ratio } else { dimension }, bound)?;
         let own = if self.factor { entry.nominal.unwrap_or(1.0) * value } else { value };
+        if let Some(allowed) = dimension.refused_range(own, matches!(bound, Bound::Positive)) {
+            let seen = format!("{}, which makes {own:e} {}", item.seen(), dimension.units()[0]);
+            return Err(item.refuse_seen(seen, allowed, "correct the value or its unit").into());
+        }
         let allowed = match entry.targets[0] {
             Target::Ratio if own >= 1.0 => "a damping ratio from 0 to less than 1",
             Target::JointLoss(_) | Target::LossFactor if own > 2.0 => "a loss factor from 0 to 2",

@@ -4,6 +4,9 @@ use stiffmap::machine::*;
 use tempfile::TempDir;
 
 mod contact;
+mod full;
+mod hints;
+mod limits;
 mod names;
 mod placement;
 mod quantities;

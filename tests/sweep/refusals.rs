@@ -47,6 +47,8 @@ fn ranges_that_are_none_are_refused() {
     refused_change("[\"10 mm\", \"25 mm\"]", "[\"10 N\", \"25 mm\"]", &["range[1]", "a length in m, mm, um"]);
     refused_change("[\"10 mm\", \"25 mm\"]", "[0, \"25 mm\"]", &["range[1]: found 0", "positive"]);
     refused_change("[\"10 mm\", \"25 mm\"]", "[nan, \"25 mm\"]", &["not finite"]);
+    let beyond = &["range[2]: found 1e305", "a length from 1e-12 to 1e5 m", "unit"];
+    refused_change("[\"10 mm\", \"25 mm\"]", "[\"10 mm\", 1e305]", beyond);
     refused_change("scale = \"log\"", "scale = \"cubic\"", &["\"linear\" or \"log\""]);
     refused_change("scale = \"log\"", "values = [1]", &["no `range` beside `values`"]);
 }
