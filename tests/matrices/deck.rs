@@ -215,7 +215,7 @@ fn machine_of_bricks(amplitude: f64) -> tempfile::TempDir {
 
 #[test]
 fn calculix_has_the_same_incompatible_bricks_where_they_are_parallelepipeds_and_else_the_export_says_so() {
-    for (amplitude, least, most) in [(0.0, 0.0, 2e-5), (0.01, 2e-5, 2e-3)] {
+    for amplitude in [0.0, 0.004, 0.01] {
         let folder = machine_of_bricks(amplitude);
         let expected = &run(folder.path())[1];
         let deck = folder.path().join("bricks.inp");
@@ -232,7 +232,12 @@ fn calculix_has_the_same_incompatible_bricks_where_they_are_parallelepipeds_and_
         let found: Vec<f64> = calculix_frequencies(&deck).into_iter().filter(|f| *f > 1.0).collect();
         let difference = worst(expected, &found);
         eprintln!("bricks moved by {amplitude} m: largest difference {difference:.1e} of {MODES} frequencies");
-        assert!((least..most).contains(&difference), "{amplitude} m: {difference:.1e}\n{expected:?}\n{found:?}");
+        // What the reduction to 40 component modes leaves, and beyond it what the export has told.
+        let told = said
+            .split_once("differ by up to about ")
+            .map_or(0.0, |(_, rest)| rest.split_whitespace().next().unwrap().parse::<f64>().unwrap());
+        assert!(difference < 2e-5 + told, "{amplitude} m: {difference:.1e}, told {told:.0e}\n{expected:?}\n{found:?}");
+        assert!((amplitude > 0.0) == (difference > 2e-5), "control: {amplitude} m, {difference:.1e}");
     }
 }
 
