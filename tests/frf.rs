@@ -134,7 +134,10 @@ fn bad_requests_are_refused_with_the_value_seen() {
         (&|c| c.systems[2].damping_ratios[1] = -0.1, "the damping ratio is -0.1"),
         (&|c| c.systems[0].outputs[(1, 2)] = f64::NAN, "mode 2 at position 0: a shape is NaN"),
         (&|c| c.systems[0].residual[1][(0, 0)].im = f64::NAN, "residual coefficient 1 at position 0"),
-        (&|c| c.systems[1].frequencies[0] = 0.0, "mode 0 at position 1 has no damping"),
+        (
+            &|c| c.systems[1].frequencies[0] = 0.0,
+            "at position -0.005 m nothing resists 1 rigid motion that the ports feel",
+        ),
     ];
     for (change, expected) in cases {
         let message = refuse(change);
@@ -234,4 +237,70 @@ fn the_oracle_is_the_closed_form_of_one_spring_and_mass() {
     assert!((oracle / expected - 1.0).norm() < 1e-14);
     let case = Case::new(vec![system], vec![natural / 2.0]);
     assert!((modal_sum(&case.request()).unwrap().values[0] / expected - 1.0).norm() < 1e-14);
+}
+
+/// Two masses (kg) in line, joined by a spring (N/m) alone: a free motion and an elastic one.
+fn two_masses(m: [f64; 2], k: f64, zeta: f64) -> ModalSystem {
+    let whole = m[0] + m[1];
+    let reduced = m[0] * m[1] / whole;
+    let free = 1.0 / whole.sqrt();
+    let apart = [(m[1] / (m[0] * whole)).sqrt(), -(m[0] / (m[1] * whole)).sqrt()];
+    let shapes = DMatrix::from_row_slice(2, 2, &[free, apart[0], free, apart[1]]);
+    ModalSystem {
+        frequencies: vec![0.0, (k / reduced).sqrt() / std::f64::consts::TAU],
+        damping_ratios: vec![0.0, zeta],
+        loss_factors: vec![0.0; 2],
+        outputs: shapes.clone(),
+        inputs: shapes,
+        residual: Vec::new(),
+    }
+}
+
+#[test]
+fn accelerance_of_a_free_body_at_0_hz_is_one_over_its_mass() {
+    let (m, k) = ([3.0, 5.0], 2e7);
+    let mut case = Case::new(vec![two_masses(m, k, 0.02)], vec![0.0, 1e-3, 100.0, 400.0]);
+    case.quantity = Quantity::Accelerance;
+    let map = modal_sum(&case.request()).expect("it is finite");
+    // Force on one mass, acceleration of either: the whole moves by 1 / (m_1 + m_2), and no spring is stretched.
+    for value in map.matrix(0, 0).iter() {
+        assert!((value - 1.0 / 8.0).norm() < 1e-15, "{value}");
+        assert!((value - 1.0 / 3.0).norm() > 0.1, "control: not one mass alone");
+    }
+    // Continuous: beside 0 Hz it differs by the elastic mode's omega^2 phi^2 / omega_r^2 alone.
+    assert!((map.matrix(0, 1) - map.matrix(0, 0)).iter().all(|d| d.norm() < 1e-11));
+    // Elsewhere as the equations of motion say, without damping: (k - m_2 omega^2) / (m_1 m_2 omega^2 - k (m_1 + m_2)).
+    case.systems = vec![two_masses(m, k, 0.0)];
+    let omega2 = (std::f64::consts::TAU * 100.0).powi(2);
+    let exact = -omega2 * (k - m[1] * omega2) / (m[0] * m[1] * omega2 * omega2 - k * 8.0 * omega2);
+    let found = modal_sum(&case.request()).expect("finite").matrix(0, 2)[(0, 0)];
+    assert!((found.re / exact - 1.0).abs() < 1e-12 && found.im == 0.0, "{found} {exact}");
+    // A grid of 0 Hz alone, and tiles from any pair on, agree.
+    case.frequencies = vec![0.0];
+    assert!((modal_sum(&case.request()).expect("finite").values[0] - 0.125).norm() < 1e-15);
+    // A machine that is held does not accelerate at 0 Hz.
+    let mut held = machine(3);
+    held.quantity = Quantity::Accelerance;
+    assert!(modal_sum(&held.request()).expect("finite").matrix(0, 0).iter().all(|a| a.norm() == 0.0));
+}
+
+#[test]
+fn receptance_and_mobility_of_a_free_body_at_0_hz_are_refused_with_what_moves_and_no_word_of_damping() {
+    let mut case = Case::new(vec![two_masses([3.0, 5.0], 2e7, 0.02)], vec![0.0, 10.0]);
+    for quantity in [Quantity::Receptance, Quantity::Mobility] {
+        case.quantity = quantity;
+        let error = modal_sum(&case.request()).expect_err("it is infinite").to_string();
+        let request = case.request();
+        let named = request.check_at_rest(&["bed slides along x".into(), "bed slides along x".into()]);
+        let named = named.expect_err("it is infinite").to_string();
+        for (text, fragments) in [
+            (&error, ["1 rigid motion that the ports feel", "begin the frequencies above 0 Hz", quantity.name()]),
+            (&named, ["(bed slides along x)", "a joint to a part that is held", "accelerance is finite"]),
+        ] {
+            fragments.iter().for_each(|f| assert!(text.contains(f), "{f:?} is not in {text}"));
+            assert!(!text.contains("damping"), "{text}");
+        }
+    }
+    case.frequencies[0] = 0.001;
+    assert!(modal_sum(&case.request()).is_ok(), "above 0 Hz every quantity is finite");
 }

@@ -211,3 +211,16 @@ fn grids_that_make_no_sense_are_refused() {
         assert!(grid.frequencies().is_err(), "{grid:?}");
     }
 }
+
+#[test]
+fn a_free_bodys_accelerance_is_largest_at_0_hz_below_its_antiresonance() {
+    let mut case = Case::new(vec![symmetric_system(&mut Numbers(9), 1, 2, 0.02)], (0..=20).map(f64::from).collect());
+    case.quantity = Quantity::Accelerance;
+    case.systems[0].frequencies = vec![0.0, 500.0];
+    case.systems[0].damping_ratios[0] = 0.0;
+    let rigid = case.systems[0].outputs[(0, 0)].powi(2);
+    let request = case.request();
+    let found = metrics(&request, &modal_sum(&request).unwrap(), &direct_pairs(&request)).unwrap()[0][0];
+    assert!((found.peak.value / rigid - 1.0).abs() < 1e-14 && found.peak.frequency == 0.0, "{found:?} {rigid}");
+    assert!(found.most_negative_real.value < rigid && found.most_negative_real.frequency == 20.0, "{found:?}");
+}

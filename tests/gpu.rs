@@ -216,3 +216,36 @@ fn tiles_come_in_order_and_append_to_the_map() {
         assert!(appended == whole.values[first_pair * 9..], "from pair {first_pair}");
     }
 }
+
+#[test]
+fn a_free_bodys_accelerance_at_0_hz_is_the_processors() {
+    let Some(gpu) = device() else { return };
+    let mut case = rich(3);
+    case.quantity = Quantity::Accelerance;
+    // Below the antiresonances the value at 0 Hz is the largest; with all frequencies some other.
+    for frequencies in [vec![0.0], vec![0.0, 1e-3, 2e-3], (0..3000).map(|i| 0.3 * i as f64).collect()] {
+        case.frequencies = frequencies;
+        for system in &mut case.systems {
+            system.frequencies[0] = 0.0;
+            system.damping_ratios[0] = 0.0;
+            system.loss_factors[0] = 0.0;
+        }
+        let request = case.request();
+        let map = modal_sum(&request).unwrap();
+        let pairs = direct_pairs(&request);
+        for precision in [Precision::F32, Precision::F64].into_iter().filter(|p| gpu.supports(*p)) {
+            let found = gpu::modal_sum(&gpu, &request, precision).unwrap();
+            for p in 0..request.positions.len() {
+                assert_eq!(found.matrix(p, 0), map.matrix(p, 0));
+                assert!(map.matrix(p, 0).iter().any(|a| a.norm() > 0.0), "control: the body does accelerate");
+            }
+            let seen = gpu::metrics::grid_extrema(&gpu, &request, &pairs, precision).unwrap();
+            for (p, (seen, expected)) in seen.iter().zip(grid_extrema(&map, &pairs)).enumerate() {
+                for ((seen, expected), &(i, j)) in seen.iter().zip(&expected).zip(&pairs) {
+                    let (a, b) = (map.at(p, seen.peak, i, j).norm(), map.at(p, expected.peak, i, j).norm());
+                    assert!(a >= b * (1.0 - 16.0 * EPS), "{seen:?} {expected:?}");
+                }
+            }
+        }
+    }
+}

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use nalgebra::DMatrix;
 use std::path::{Path, PathBuf};
 use stiffmap::coupling::{Unreduced, assembled};
-use stiffmap::export::deck::write_deck;
+use stiffmap::export::deck::{element_differences, write_deck};
 use stiffmap::export::matrix_market::{DofRow, write_dense, write_dofs, write_sets, write_sparse};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, Part, Region, SurfaceCoupling, read_machine};
@@ -73,6 +73,9 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         Format::Inp => {
             let meshes: Vec<&Mesh> = files.iter().map(|f| &f.mesh).collect();
             write_deck(out, &machine, &meshes, &springs, modes)?;
+            for difference in element_differences(&machine, &meshes) {
+                eprintln!("warning: {difference}");
+            }
         }
         Format::Mtx if arguments.full => write_full(out, &machine, &files, &springs)?,
         Format::Mtx => write_reduced(out, &machine, &files, position, interrupt)?,

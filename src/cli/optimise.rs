@@ -15,6 +15,7 @@ use stiffmap::export::atomic::write_bytes;
 use stiffmap::export::manifest::Manifest;
 use stiffmap::figures::sweep::{Convergence, draw_convergence};
 use stiffmap::interrupt::Interrupt;
+use stiffmap::sweep::goals::Objective;
 use stiffmap::sweep::machine_values::machine_values;
 use stiffmap::sweep::optimise::{Found, optimise as search};
 use stiffmap::sweep::runner::RunError;
@@ -56,10 +57,13 @@ pub struct Arguments {
 pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let mut progress = Progress::new(arguments.json);
     let study = read_study(&arguments.study)?;
-    if study.objectives.is_empty() {
-        let said = format!("{}: no [objectives]; add NAME = \"maximise\" or \"minimise\"", arguments.study.display());
+    let Some(objective) = &study.search.objective else {
+        let said = format!(
+            "{}: nothing to improve; add NAME = \"maximise\" or \"minimise\" to [objectives], or `objective` to [optimise]",
+            arguments.study.display()
+        );
         return Err(UsageError(said).into());
-    }
+    };
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(slug(&study.name) + "_optimum"));
     std::fs::create_dir_all(&out).with_context(|| format!("--out {}", out.display()))?;
     let (log, manifest_file) = (out.join(LOG), out.join("manifest.json"));
@@ -114,7 +118,8 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     if !arguments.no_figures {
         let folder = out.join("figures");
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        let mut drawn = vec![draw_convergence(&convergence(&study, &found), &folder.join("convergence.png"))?];
+        let mut drawn =
+            vec![draw_convergence(&convergence(&study, objective, &found), &folder.join("convergence.png"))?];
         if let Some(row) = best {
             drawn.extend(draw_best(&Best { study: &study, evaluator: evaluator.as_ref(), row }, &folder)?);
         }
@@ -130,7 +135,7 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let settings = &mut manifest.settings;
     settings.push("route", json!(evaluator.route()));
     settings.push("route_why", json!(why));
-    settings.push("objective", json!(study.objectives[study.search.objective].name));
+    settings.push("objective", json!(objective.name));
     settings.push("search_seed", json!(study.search.seed));
     settings.push("population", json!(found.population));
     settings.push("ended", json!(found.ended));
@@ -162,8 +167,7 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
 }
 
 /// The objective over the evaluations, with the best so far that keeps every bound.
-fn convergence(study: &Study, found: &Found) -> Convergence {
-    let objective = &study.objectives[study.search.objective];
+fn convergence(study: &Study, objective: &Objective, found: &Found) -> Convergence {
     let at = study.result_place(objective.figure);
     Convergence {
         study: study.name.clone(),

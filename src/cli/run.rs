@@ -180,6 +180,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     record::reduction(&mut checks, &mut warnings, &errors, &solved.modes, map_error);
     axes.frequencies = frequencies::around_modes(&machine.analysis, &systems)?;
     let request = axes.request(&systems);
+    request.check_at_rest(&summary::felt_free_motions(&solved, &model))?;
     let options = BackendOptions {
         backend: arguments.backend,
         precision: arguments.precision,
@@ -250,9 +251,11 @@ fn check_state_space(positions: usize, modes: usize) -> Result<(), UsageError> {
 /// Frequency (Hz) of a mode inside the grid's range that nothing damps: its peak is unbounded.
 fn undamped_in_band(request: &FrfRequest<'_>) -> Option<f64> {
     let (from, to) = (*request.frequencies.first()?, *request.frequencies.last()?);
+    // A free motion adds a constant to an accelerance and peaks nowhere.
+    let constant = |f: f64| f == 0.0 && request.quantity == stiffmap::frf::Quantity::Accelerance;
     let of_system = |s: &ModalSystem| {
         let damping = s.damping_ratios.iter().zip(&s.loss_factors).map(|(zeta, eta)| 2.0 * zeta + eta);
-        s.frequencies.iter().copied().zip(damping).find(|(f, d)| (from..=to).contains(f) && *d <= 0.0)
+        s.frequencies.iter().copied().zip(damping).find(|(f, d)| (from..=to).contains(f) && *d <= 0.0 && !constant(*f))
     };
     request.systems.iter().find_map(of_system).map(|(f, _)| f)
 }

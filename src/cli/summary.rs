@@ -48,10 +48,14 @@ fn extremes(
     let pairs = outcome.metrics.first().map_or(0, Vec::len);
     (0..pairs)
         .filter_map(|k| {
-            let at = |(metrics, &position): (&Vec<PairMetrics>, &f64)| (of(&metrics[k]), metrics[k].output, position);
+            let at = |(metrics, &position): (&Vec<PairMetrics>, &f64)| {
+                let pair = metrics[k];
+                (of(&pair), (pair.output, pair.input), position)
+            };
             let all = outcome.metrics.iter().zip(&outcome.axes.positions).map(at);
-            let (extremum, output, position_m) = all.min_by(|a, b| order(a.0.value, b.0.value))?;
-            let direction = outcome.axes.outputs[output].clone();
+            let (extremum, (output, input), position_m) = all.min_by(|a, b| order(a.0.value, b.0.value))?;
+            let (output, input) = (&outcome.axes.outputs[output], &outcome.axes.inputs[input]);
+            let direction = if output == input { output.clone() } else { format!("{output} from {input}") };
             Some(Extreme { direction, value: extremum.value, position_m, frequency_hz: extremum.frequency })
         })
         .collect()
@@ -119,6 +123,15 @@ fn streamed_line(outcome: &Outcome) -> Option<String> {
 /// The names of the motions at 0 Hz at the first position, and how many more there are elsewhere.
 pub fn free_motions(solved: &Solved, model: &CoupledModel) -> Vec<String> {
     solved.modes.first().map_or_else(Vec::new, |modes| modes.free_motions(model).into_iter().map(|m| m.name).collect())
+}
+
+/// The same of those that the ports feel.
+pub fn felt_free_motions(solved: &Solved, model: &CoupledModel) -> Vec<String> {
+    let felt = |modes: &stiffmap::modal::Modes| {
+        let motions = modes.free_motions(model).into_iter().enumerate();
+        motions.filter(|(r, _)| modes.is_felt(*r)).map(|(_, motion)| motion.name).collect()
+    };
+    solved.modes.first().map_or_else(Vec::new, felt)
 }
 
 /// The veerings in words.

@@ -173,6 +173,7 @@ pub(super) fn describe(study: &Study, record: &Record, manifest: &mut Manifest) 
     }
     settings.push("shard", json!(format!("{}/{}", record.shard, record.shards)));
     settings.push("band_hz", json!(study.band));
+    manifest.warnings.extend(study.remarks());
     let counts = &mut manifest.counts;
     counts.push("designs", study.sampling.designs);
     counts.push("variables", study.variables.len() as u64);

@@ -1,74 +1,69 @@
 //! The incompatible modes of the eight-node brick (C3D8I).
 //!
-//! The displacements get the terms (1 - r^2) a_1 + (1 - s^2) a_2 + (1 - t^2) a_3 with nine parameters of
-//! the element's own, which let it bend without shearing. Their gradients are taken with the Jacobian at
-//! the centre, J_0, and scaled by det J_0 / det J,
+//! The displacements get the terms (1 - r^2) a_1 + (1 - s^2) a_2 + (1 - t^2) a_3, which let the element bend
+//! without shearing. Each a is a vector of three parameters that belong to the element alone, so that a mode
+//! stands beside the shape functions as a ninth, tenth and eleventh node would. Its gradient is taken with the
+//! Jacobian at the centre, J_0, and scaled by det J_0 / det J,
 //!
 //! ```text
 //! grad = (det J_0 / det J) J_0^-1 [-2 r, -2 s, -2 t],      integral grad dV = 0,
 //! ```
 //!
-//! so that a constant stress does no work on them and distorted meshes pass the patch test. The
-//! parameters are eliminated in the element; they carry no mass.
+//! so that a constant stress does no work on the modes and distorted meshes pass the patch test.
+//!
+//! The modes carry mass: where the element bends, its middle moves too. The parameters therefore stay unknowns
+//! of the part. Without their mass the frequencies of coarse meshes are up to twice as far off;
+//! `docs/elements.md` has the comparison.
 //!
 //! # Source
 //! E. L. Wilson, R. L. Taylor, W. P. Doherty, J. Ghaboussi, Incompatible displacement models (1973);
 //! R. L. Taylor, P. J. Beresford, E. L. Wilson, A non-conforming element for stress analysis, Int. J.
-//! Numer. Methods Eng. 10 (1976).
+//! Numer. Methods Eng. 10 (1976). The mass is that of CalculiX, C3D8I.
 //!
 //! # Differs
 //! CalculiX leaves the factor det J_0 / det J out: the same on parallelepipeds, elsewhere its element fails
-//! the patch test.
+//! the patch test. [`det_variation`] says how far an element is from a parallelepiped.
 
 use super::quadrature::brick;
 use super::shape::{inverse_jacobian, physical, shape};
 use crate::mesh::CellKind;
-use nalgebra::{SMatrix, SVector};
 
-type Strain<const N: usize> = SMatrix<f64, 6, N>;
+/// Incompatible modes of an element; each has one parameter a direction.
+pub(super) const MODES: usize = 3;
 
-/// Minus what the eliminated modes take away from the stiffness: K_ua K_aa^-1 K_au, 24 x 24.
-///
-/// `None` where the element is so distorted that its modes cannot be eliminated.
-pub(super) fn relief(nodes: &[[f64; 3]], lame: f64, shear: f64) -> Option<SMatrix<f64, 24, 24>> {
-    let (centre, centre_det) = inverse_jacobian(nodes, &shape(CellKind::Hex8, [0.0; 3]).derivatives);
-    let mut coupling = SMatrix::<f64, 24, 9>::zeros();
-    let mut own = SMatrix::<f64, 9, 9>::zeros();
-    for point in brick(2) {
-        let (gradients, det) = physical(nodes, &shape(CellKind::Hex8, point.at));
-        let mut modes = [[0.0; 3]; 3];
-        for (a, mode) in modes.iter_mut().enumerate() {
-            *mode = centre[a].map(|g| -2.0 * point.at[a] * g * centre_det / det);
-        }
-        let compatible: Strain<24> = strain(&gradients[..8]);
-        let incompatible: Strain<9> = strain(&modes);
-        let stress = stress(&incompatible, lame, shear) * (point.weight * det);
-        coupling += compatible.transpose() * stress;
-        own += incompatible.transpose() * stress;
-    }
-    let solved = own.cholesky()?.solve(&coupling.transpose());
-    Some(coupling * solved)
+/// Values of the modes at (r, s, t).
+pub(super) fn values(at: [f64; 3]) -> [f64; MODES] {
+    at.map(|x| 1.0 - x * x)
 }
 
-/// Strains (xx, yy, zz, 2 xy, 2 yz, 2 zx) of unit displacements with the given gradients.
-fn strain<const N: usize>(gradients: &[[f64; 3]]) -> Strain<N> {
-    let mut b = Strain::<N>::zeros();
-    for (i, [x, y, z]) in gradients.iter().enumerate() {
-        let columns = [[*x, 0.0, 0.0, *y, 0.0, *z], [0.0, *y, 0.0, *x, *z, 0.0], [0.0, 0.0, *z, 0.0, *y, *x]];
-        for (c, column) in columns.into_iter().enumerate() {
-            b.set_column(3 * i + c, &SVector::<f64, 6>::from(column));
-        }
-    }
-    b
+/// The Jacobian at an element's centre, from which the gradients of its modes follow.
+pub(super) struct Centre {
+    inverse: [[f64; 3]; 3],
+    det: f64,
 }
 
-fn stress<const N: usize>(strain: &Strain<N>, lame: f64, shear: f64) -> Strain<N> {
-    let mut out = *strain * shear;
-    for k in 0..N {
-        let volume = strain[(0, k)] + strain[(1, k)] + strain[(2, k)];
-        for i in 0..3 {
-            out[(i, k)] += shear * strain[(i, k)] + lame * volume;
-        }
+impl Centre {
+    /// That of an element with these nodes.
+    pub fn of(nodes: &[[f64; 3]]) -> Self {
+        let (inverse, det) = inverse_jacobian(nodes, &shape(CellKind::Hex8, [0.0; 3]).derivatives);
+        Self { inverse, det }
     }
-    out
+
+    /// The determinant, m^3.
+    pub fn det(&self) -> f64 {
+        self.det
+    }
+
+    /// Gradients of the modes (1/m) at (r, s, t), where the Jacobian has the determinant `det`.
+    pub fn gradients(&self, at: [f64; 3], det: f64) -> [[f64; 3]; MODES] {
+        std::array::from_fn(|a| self.inverse[a].map(|g| -2.0 * at[a] * g * self.det / det))
+    }
+}
+
+/// How much the Jacobian's determinant of an eight-node brick varies over its 2 x 2 x 2 points, relative to that
+/// at the centre: 0 for a parallelepiped.
+pub fn det_variation(nodes: &[[f64; 3]]) -> f64 {
+    let centre = Centre::of(nodes);
+    let off = |at| (physical(nodes, &shape(CellKind::Hex8, at)).1 / centre.det - 1.0).abs();
+    brick(2).into_iter().map(|point| off(point.at)).fold(0.0, f64::max)
 }

@@ -1,17 +1,22 @@
 //! Stiffness and mass of one element.
 
-use super::incompatible::relief;
+use super::incompatible::{self, Centre, MODES};
 use super::quadrature::{
     SolidPoint, brick, tet_degree_1, tet_degree_2, tet_degree_5, tri_degree_1, tri_degree_2, wedge,
 };
 use super::shape::{MAX_NODES, Shape, physical, shape};
 use crate::mesh::CellKind;
+use nalgebra::SMatrix;
 use std::sync::OnceLock;
 
 /// Stiffness (N/m) and mass (kg; the same for x, y, z) of one element.
+///
+/// Rows go over its displacement functions: one a node, and behind them the three incompatible modes of C3D8I.
+/// Each has three components, x, y and z.
 #[derive(Clone, Debug)]
 pub struct ElementMatrices {
     nodes: usize,
+    functions: usize,
     stiffness: Vec<[[f64; 3]; 3]>,
     mass: Vec<f64>,
 }
@@ -22,19 +27,35 @@ impl ElementMatrices {
         self.nodes
     }
 
-    /// The 3 x 3 block of node pair (a, b), N/m.
-    pub fn stiffness(&self, a: usize, b: usize) -> &[[f64; 3]; 3] {
-        &self.stiffness[a * self.nodes + b]
+    /// Displacement functions: the nodes, and the incompatible modes of C3D8I behind them.
+    pub fn functions(&self) -> usize {
+        self.functions
     }
 
-    /// Mass of node pair (a, b), kg.
+    /// The 3 x 3 block of the pair of functions (a, b), N/m.
+    pub fn stiffness(&self, a: usize, b: usize) -> &[[f64; 3]; 3] {
+        &self.stiffness[a * self.functions + b]
+    }
+
+    /// Mass of the pair of functions (a, b), kg.
     pub fn mass(&self, a: usize, b: usize) -> f64 {
-        self.mass[a * self.nodes + b]
+        self.mass[a * self.functions + b]
+    }
+
+    /// Whether the incompatible modes' own stiffness is positive definite, so that none of them moves for nothing.
+    fn modes_are_held(&self) -> bool {
+        let entry = |i: usize, j: usize| self.stiffness(self.nodes + i / 3, self.nodes + j / 3)[i % 3][j % 3];
+        SMatrix::<f64, { 3 * MODES }, { 3 * MODES }>::from_fn(entry).cholesky().is_some()
     }
 }
 
-/// The shape functions at the points of a rule.
-type Tabulated = Vec<(f64, Shape)>;
+/// The points of a rule with the shape functions there; behind the nodes' the values of the incompatible modes.
+type Tabulated = Vec<(SolidPoint, Shape)>;
+
+/// Functions beside those of the nodes.
+pub(super) fn incompatible_modes(kind: CellKind) -> usize {
+    if kind == CellKind::Hex8Incompatible { MODES } else { 0 }
+}
 
 /// Points for stiffness and for mass. All but the masses of C3D4, C3D6 and C3D10 are those of CalculiX,
 /// which takes the stiffness points there too and misses the inertia of the element about itself.
@@ -53,13 +74,19 @@ fn rules(kind: CellKind) -> (Vec<SolidPoint>, Vec<SolidPoint>) {
 fn tables(kind: CellKind) -> &'static (Tabulated, Tabulated) {
     static TABLES: [OnceLock<(Tabulated, Tabulated)>; CellKind::ALL.len()] = [const { OnceLock::new() }; 8];
     TABLES[kind as usize].get_or_init(|| {
-        let tabulate = |rule: Vec<SolidPoint>| rule.iter().map(|p| (p.weight, shape(kind, p.at))).collect();
+        let at_point = |point: SolidPoint| {
+            let (mut shape, n) = (shape(kind, point.at), kind.node_count());
+            let modes = incompatible::values(point.at);
+            (0..incompatible_modes(kind)).for_each(|m| shape.values[n + m] = modes[m]);
+            (point, shape)
+        };
+        let tabulate = |rule: Vec<SolidPoint>| rule.into_iter().map(at_point).collect();
         let (stiffness, mass) = rules(kind);
         (tabulate(stiffness), tabulate(mass))
     })
 }
 
-/// Stiffness and consistent mass of an isotropic element.
+/// Stiffness and consistent mass of an isotropic element, the incompatible modes of C3D8I as rows of their own.
 ///
 /// # Errors
 /// The smallest Jacobian determinant (m^3), if it is not positive at a quadrature point: the element
@@ -74,48 +101,43 @@ pub fn matrices(
     poisson: f64,
     density: f64,
 ) -> Result<ElementMatrices, f64> {
-    let n = kind.node_count();
-    assert_eq!(nodes.len(), n, "nodes of a {}", kind.name());
+    let nodal = kind.node_count();
+    assert_eq!(nodes.len(), nodal, "nodes of a {}", kind.name());
+    let n = nodal + incompatible_modes(kind);
     let lame = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
     let shear = young / (2.0 * (1.0 + poisson));
     let (stiffness_rule, mass_rule) = tables(kind);
-    let mut out = ElementMatrices { nodes: n, stiffness: vec![[[0.0; 3]; 3]; n * n], mass: vec![0.0; n * n] };
-    let mut smallest = f64::INFINITY;
-    for (weight, shape) in stiffness_rule {
-        let (g, det) = physical(nodes, shape);
+    let mut out =
+        ElementMatrices { nodes: nodal, functions: n, stiffness: vec![[[0.0; 3]; 3]; n * n], mass: vec![0.0; n * n] };
+    let centre = (n > nodal).then(|| Centre::of(nodes));
+    let mut smallest = centre.as_ref().map_or(f64::INFINITY, Centre::det);
+    for (point, shape) in stiffness_rule {
+        let (mut g, det) = physical(nodes, shape);
         smallest = smallest.min(det);
-        add_stiffness(&mut out, &g, weight * det, lame, shear);
+        if let Some(centre) = &centre {
+            g[nodal..n].copy_from_slice(&centre.gradients(point.at, det));
+        }
+        add_stiffness(&mut out, &g, point.weight * det, lame, shear);
     }
-    for (weight, shape) in mass_rule {
+    for (point, shape) in mass_rule {
         let (_, det) = physical(nodes, shape);
         smallest = smallest.min(det);
-        let w = weight * det * density;
+        let w = point.weight * det * density;
         for (a, row) in out.mass.chunks_exact_mut(n).enumerate() {
             for (m, value) in row.iter_mut().zip(&shape.values) {
                 *m += w * shape.values[a] * value;
             }
         }
     }
-    if smallest.is_nan() || smallest <= 0.0 {
+    if smallest.is_nan() || smallest <= 0.0 || (centre.is_some() && !out.modes_are_held()) {
         return Err(smallest);
-    }
-    if kind == CellKind::Hex8Incompatible {
-        let relief = relief(nodes, lame, shear).ok_or(smallest)?;
-        for (k, block) in out.stiffness.iter_mut().enumerate() {
-            let (a, b) = (k / n, k % n);
-            for (i, row) in block.iter_mut().enumerate() {
-                for (j, value) in row.iter_mut().enumerate() {
-                    *value -= relief[(3 * a + i, 3 * b + j)];
-                }
-            }
-        }
     }
     Ok(out)
 }
 
 /// Adds one point of the stiffness integral.
 fn add_stiffness(out: &mut ElementMatrices, g: &[[f64; 3]; MAX_NODES], w: f64, lame: f64, shear: f64) {
-    let n = out.nodes;
+    let n = out.functions;
     for a in 0..n {
         for b in 0..n {
             let dot = g[a][0] * g[b][0] + g[a][1] * g[b][1] + g[a][2] * g[b][2];

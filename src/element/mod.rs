@@ -18,10 +18,17 @@ mod shape;
 mod tet;
 mod wedge;
 
+pub use incompatible::det_variation;
 pub use matrices::{ElementMatrices, matrices};
 pub use shape::{MAX_NODES, Shape, gradients, reference_nodes, shape};
 
 use crate::mesh::CellKind;
+
+/// Displacement functions of an element beside those of its nodes, each with three unknowns of the element's own:
+/// the incompatible modes of C3D8I.
+pub fn incompatible_modes(kind: CellKind) -> usize {
+    matrices::incompatible_modes(kind)
+}
 
 /// The faces of an element as local node indices, outward (corners first, then midsides in order), in
 /// the order S1, S2, .. of Abaqus.

@@ -5,9 +5,13 @@
 //! from the surface by `*EQUATION` with the same area weights as here. A spring is an equation for
 //! its elongation and a `*SPRING` to ground on that. Nodes of a rigid interface follow two free
 //! nodes. Damping is left out: it does not enter undamped frequencies.
+//!
+//! Some of CalculiX's elements are not quite those of this program. [`element_differences`] says which, so that
+//! nobody takes such a difference of the frequencies for an error of the assembly; the deck repeats it.
 
 use super::{ExportError, atomic, finite};
 use crate::coupling::{PlacedInterface, Unreduced};
+use crate::element::det_variation;
 use crate::machine::{Machine, Material, Part};
 use crate::mesh::{Cell, CellKind, Mesh};
 use crate::solid::{held_displacements, rigid_nodes};
@@ -20,6 +24,12 @@ const TERMS: usize = 4;
 
 /// Coefficients of an equation below this share of its largest are rounding.
 const ROUNDING: f64 = 1e-14;
+
+/// Variation of the Jacobian's determinant above which an eight-node brick counts as no parallelepiped.
+const PARALLELEPIPED: f64 = 1e-6;
+
+/// Characters of a comment line.
+const COMMENT: usize = 100;
 
 /// (node, degree of freedom 1 to 3, coefficient).
 type Term = (usize, usize, f64);
@@ -38,6 +48,9 @@ pub fn write_deck(
 ) -> Result<(), ExportError> {
     let mut deck = Deck { path, text: String::new(), next_node: 1, first_node: Vec::new(), springs: 0 };
     deck.header(machine, springs.position);
+    for difference in element_differences(machine, meshes) {
+        deck.comment(&difference);
+    }
     let mut first_element = 1;
     for ((part, mesh), moved) in machine.parts.iter().zip(meshes).zip(&springs.moved) {
         deck.part(part, mesh, *moved, first_element)?;
@@ -78,6 +91,57 @@ pub fn write_deck(
     atomic::write_bytes(path, deck.text.as_bytes())
 }
 
+/// Where CalculiX's elements differ from this program's on these meshes, a text a type of element; nothing where
+/// both compute the same.
+///
+/// `docs/elements.md` has the reasons and the measured sizes.
+pub fn element_differences(machine: &Machine, meshes: &[&Mesh]) -> Vec<String> {
+    let of_kind = |kind: CellKind| -> (usize, Vec<&str>) {
+        let count = |mesh: &Mesh| mesh.cells.iter().filter(|cell| cell.kind == kind).count();
+        let with = machine.parts.iter().zip(meshes).map(|(part, mesh)| (part.name.as_str(), count(mesh)));
+        let with: Vec<(&str, usize)> = with.filter(|(_, n)| *n > 0).collect();
+        (with.iter().map(|(_, n)| n).sum(), with.into_iter().map(|(name, _)| name).collect())
+    };
+    let mut texts = Vec::new();
+    for (kind, points) in [(CellKind::Tet4, 1), (CellKind::Tet10, 4), (CellKind::Wedge6, 2)] {
+        let (count, parts) = of_kind(kind);
+        if count > 0 {
+            texts.push(format!(
+                "CalculiX integrates the mass of {} with {points} points, too few for the inertia of the element about \
+                 itself; stiffmap takes enough. The mass as a whole is the same, frequencies whose waves are a few \
+                 elements long differ by up to 1e-3 ({count} elements of {})",
+                kind.name(),
+                parts.join(", ")
+            ));
+        }
+    }
+    let mut skewed: Vec<&str> = Vec::new();
+    let (mut count, mut largest) = (0, 0.0_f64);
+    for (part, mesh) in machine.parts.iter().zip(meshes) {
+        for cell in mesh.cells.iter().filter(|cell| cell.kind == CellKind::Hex8Incompatible) {
+            let x: Vec<[f64; 3]> = cell.nodes.iter().map(|&node| mesh.nodes[node]).collect();
+            let variation = det_variation(&x);
+            if variation > PARALLELEPIPED {
+                count += 1;
+                largest = largest.max(variation);
+                if skewed.last() != Some(&part.name.as_str()) {
+                    skewed.push(&part.name);
+                }
+            }
+        }
+    }
+    if count > 0 {
+        texts.push(format!(
+            "{count} C3D8I elements of {} are no parallelepipeds. On these CalculiX's element fails the patch test and \
+             stiffmap's passes it: the determinant of the Jacobian varies by up to {largest:.1e} within an element, and \
+             frequencies differ by up to about {:.0e} for that",
+            skewed.join(", "),
+            0.5 * largest * largest
+        ));
+    }
+    texts
+}
+
 /// Elements of one type and material, with their numbers.
 type Group<'a> = (CellKind, &'a Material, Vec<(usize, &'a Cell)>);
 
@@ -104,6 +168,20 @@ impl Deck<'_> {
             env!("CARGO_PKG_VERSION")
         ));
         self.line(format_args!("** Units: m, kg, s. Damping is left out."));
+    }
+
+    /// Comment lines that hold a text.
+    fn comment(&mut self, text: &str) {
+        let mut line = String::from("**");
+        for word in text.split_whitespace() {
+            if line.len() + word.len() > COMMENT {
+                self.line(format_args!("{line}"));
+                line = String::from("**  ");
+            }
+            line += " ";
+            line += word;
+        }
+        self.line(format_args!("{line}"));
     }
 
     fn point(&mut self, at: [f64; 3]) -> Result<usize, ExportError> {

@@ -82,6 +82,23 @@ pub enum FrfError {
         /// Frequency, Hz.
         frequency: f64,
     },
+    /// Receptance or mobility at 0 Hz of a machine that moves freely.
+    #[error(
+        "at position {position} m nothing resists {}, so the {quantity} at 0 Hz is infinite; hold what moves (a joint to \
+         a part that is held, a stiffness in that direction, `clamped` or `supported` nodes), or begin the frequencies \
+         above 0 Hz; the accelerance is finite there",
+        motions(*count, moves)
+    )]
+    FreeMotion {
+        /// Position, m.
+        position: f64,
+        /// Free motions that the ports feel.
+        count: usize,
+        /// What moves and how; empty where that is not known.
+        moves: Vec<String>,
+        /// Receptance or mobility.
+        quantity: &'static str,
+    },
     /// A grid's description is not usable.
     #[error("frequency grid: {what} is {value}; allowed: {allowed}")]
     BadGrid {
@@ -100,4 +117,11 @@ pub enum FrfError {
         /// What the receiver said.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+/// Free motions in words.
+fn motions(count: usize, moves: &[String]) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    let counted = format!("{count} rigid motion{plural} that the ports feel");
+    if moves.is_empty() { counted } else { format!("{counted} ({})", moves.join("; ")) }
 }

@@ -57,9 +57,19 @@ pub struct GridExtrema {
     pub most_negative_real: usize,
 }
 
-/// The direct pairs (output i, input i) of a request.
+/// The direct pairs of a request, as [`direct_pairs_of`].
 pub fn direct_pairs(request: &FrfRequest) -> Vec<(usize, usize)> {
-    (0..request.outputs.len().min(request.inputs.len())).map(|i| (i, i)).collect()
+    direct_pairs_of(request.outputs, request.inputs)
+}
+
+/// The direct pairs (output, input): those of one name, in the order of the outputs.
+///
+/// A machine whose forces act at one port and whose motions are read at another has none; its outputs and inputs are
+/// then paired in their order, the first with the first.
+pub fn direct_pairs_of(outputs: &[String], inputs: &[String]) -> Vec<(usize, usize)> {
+    let own_input = |(o, name): (usize, &String)| Some((o, inputs.iter().position(|input| input == name)?));
+    let direct: Vec<(usize, usize)> = outputs.iter().enumerate().filter_map(own_input).collect();
+    if direct.is_empty() { (0..outputs.len().min(inputs.len())).map(|i| (i, i)).collect() } else { direct }
 }
 
 /// Metrics of a computed map, `[position][pair]`, refined from the modes of its request.
@@ -179,7 +189,9 @@ impl<'a> Search<'a> {
             let half_band = 0.5 * (denominator.viscous + denominator.loss / f_r.max(f64::MIN_POSITIVE));
             let inside = (first..=last).contains(&f_r);
             let felt = system.residues[mode * packing.pairs.len()..][..packing.pairs.len()].iter().any(|a| *a != 0.0);
-            if inside && felt && half_band == 0.0 {
+            // A free motion adds a constant to an accelerance and peaks nowhere.
+            let constant = f_r == 0.0 && request.quantity == Quantity::Accelerance;
+            if inside && felt && half_band == 0.0 && !constant {
                 return Err(FrfError::Singular { position, mode, frequency: f_r });
             }
             for f in closed_form(denominator, request.quantity) {

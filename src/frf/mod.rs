@@ -18,6 +18,7 @@ pub mod modification;
 mod packing;
 mod point;
 mod request;
+mod rest;
 mod scatter;
 mod tiles;
 mod truncation;

@@ -22,7 +22,8 @@ const TILE_VALUES: usize = 1 << 21;
 ///            r=1  omega_r^2 (1 + j eta_r) - omega^2 + 2 j zeta_r omega_r omega   k=0
 /// ```
 ///
-/// times (j omega)^q, q = 0, 1, 2 for receptance, mobility and accelerance.
+/// times (j omega)^q, q = 0, 1, 2 for receptance, mobility and accelerance. At 0 Hz the accelerance is the sum of
+/// L_ir R_jr over the free motions (omega_r = 0).
 ///
 /// # Shapes and units
 /// | name | shape | unit |
@@ -111,6 +112,12 @@ fn fill_range(request: &FrfRequest, packing: &Packing, range: &TileRange, values
         values.par_chunks_mut(BLOCK * n_values).zip(frequencies.par_chunks(BLOCK)).for_each(|(values, frequencies)| {
             Block { model, frequencies, stream, values }.sum();
         });
+        if range.frequencies.start == 0
+            && request.has_accelerance_at_rest()
+            && let Some(at_rest) = system.at_rest(packing, request.quantity)
+        {
+            values[..n_values].copy_from_slice(&at_rest);
+        }
     });
 }
 
@@ -129,6 +136,10 @@ pub(super) fn sum_at(
     let model = Model { system, packing, quantity };
     for (values, frequencies) in values.chunks_mut(BLOCK * n_values).zip(lay_out(frequencies).chunks(BLOCK)) {
         Block { model, frequencies, stream: false, values }.sum();
+    }
+    if let Some(at_rest) = system.at_rest(packing, quantity) {
+        let resting = frequencies.iter().take_while(|f| **f == 0.0).count();
+        values[..resting * n_values].chunks_exact_mut(n_values).for_each(|values| values.copy_from_slice(&at_rest));
     }
     values
 }

@@ -43,7 +43,13 @@ impl Weights {
     pub fn response(&self, system: &PackedSystem, n_pairs: usize, pair: usize, quantity: Quantity) -> Response {
         let f = self.frequency;
         let mut h = Response::default();
+        // A free motion's share of an accelerance is its residue at every frequency, 0 Hz among them.
+        let mut of_free_motions = 0.0;
         for (r, w) in self.modes.iter().enumerate() {
+            if quantity == Quantity::Accelerance && system.modes[r].frequency == 0.0 {
+                of_free_motions += system.residues[r * n_pairs + pair] * TAU * TAU;
+                continue;
+            }
             let a = system.residues[r * n_pairs + pair];
             h.value += w[0] * a;
             h.slope += w[1] * a;
@@ -66,6 +72,7 @@ impl Weights {
                 curvature: j_tau * (h.curvature * f + h.slope * 2.0),
             };
         }
+        h.value += of_free_motions;
         h
     }
 }

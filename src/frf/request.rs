@@ -79,8 +79,8 @@ impl FrfRequest<'_> {
     ///
     /// # Errors
     /// An empty list; a frequency that is NaN, negative or out of range; a grid that does not ascend; a mode with a
-    /// frequency, damping or shape that is negative or not finite; an undamped mode (a free one at 0 Hz included)
-    /// whose own frequency is in the grid.
+    /// frequency, damping or shape that is negative or not finite; an undamped mode whose own frequency is in the
+    /// grid; a free motion where the grid holds 0 Hz and the quantity is no accelerance.
     pub fn check(&self) -> Result<(), FrfError> {
         let lengths = [
             ("positions", self.positions.len()),
@@ -99,7 +99,7 @@ impl FrfRequest<'_> {
         for (position, system) in self.systems.iter().enumerate() {
             self.check_system(position, system)?;
         }
-        Ok(())
+        self.check_at_rest(&[])
     }
 
     fn check_system(&self, position: usize, system: &ModalSystem) -> Result<(), FrfError> {
@@ -132,7 +132,8 @@ impl FrfRequest<'_> {
                     return Err(bad("a shape", value, "finite numbers"));
                 }
             }
-            let undamped = f == 0.0 || 2.0 * zeta + eta < NO_DAMPING;
+            // Free motions are looked at by `check_at_rest`.
+            let undamped = f > 0.0 && 2.0 * zeta + eta < NO_DAMPING;
             if undamped && self.frequencies.binary_search_by(|x| x.total_cmp(&f)).is_ok() {
                 return Err(FrfError::Singular { position, mode, frequency: f });
             }

@@ -85,6 +85,9 @@ pub fn grid_extrema(
     precision: Precision,
 ) -> Result<Vec<Vec<GridExtrema>>, GpuError> {
     request.check()?;
+    if request.has_accelerance_at_rest() && request.systems.iter().any(|s| s.frequencies.contains(&0.0)) {
+        return beside_rest(gpu, request, pairs, precision);
+    }
     let packing = Packing::new(request);
     let wanted: Vec<usize> = pairs.iter().map(|(i, j)| packing.pair_of_value[i * request.inputs.len() + j]).collect();
     let search = Search { gpu, request, precision, wanted };
@@ -92,6 +95,42 @@ pub fn grid_extrema(
         Precision::F32 => search.run::<f32>(packing),
         Precision::F64 => search.run::<f64>(packing),
     }
+}
+
+/// The same where free motions make 0 Hz, the grid's first frequency, a case of its own that the kernel does not know:
+/// the device searches the others, and what it finds is compared with the value at 0 Hz.
+fn beside_rest(
+    gpu: &Gpu,
+    request: &FrfRequest,
+    pairs: &[(usize, usize)],
+    precision: Precision,
+) -> Result<Vec<Vec<GridExtrema>>, GpuError> {
+    let others = &request.frequencies[1..];
+    let mut found = if others.is_empty() {
+        vec![vec![GridExtrema { peak: 0, most_negative_real: 0 }; pairs.len()]; request.positions.len()]
+    } else {
+        grid_extrema(gpu, &FrfRequest { frequencies: others, ..request.clone() }, pairs, precision)?
+    };
+    if others.is_empty() {
+        return Ok(found);
+    }
+    for (position, found) in found.iter_mut().enumerate() {
+        for (at, &(output, input)) in found.iter_mut().zip(pairs) {
+            let value = |frequency: usize| -> Result<_, GpuError> {
+                let one = FrfRequest {
+                    positions: &request.positions[position..=position],
+                    systems: &request.systems[position..=position],
+                    frequencies: &request.frequencies[frequency..=frequency],
+                    ..request.clone()
+                };
+                Ok(crate::frf::modal_sum(&one)?.values[output * request.inputs.len() + input])
+            };
+            let (rest, peak, real) = (value(0)?, value(at.peak + 1)?, value(at.most_negative_real + 1)?);
+            at.peak = if rest.norm() >= peak.norm() { 0 } else { at.peak + 1 };
+            at.most_negative_real = if rest.re <= real.re { 0 } else { at.most_negative_real + 1 };
+        }
+    }
+    Ok(found)
 }
 
 struct Search<'a> {

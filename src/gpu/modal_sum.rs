@@ -4,7 +4,9 @@ use bytemuck::Pod;
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-use crate::frf::{ComplianceMap, FrfError, FrfRequest, Packing, Sink, Tile, TileLimits, TileRange, tiles};
+use crate::frf::{
+    ComplianceMap, FrfError, FrfRequest, PackedSystem, Packing, Sink, Tile, TileLimits, TileRange, tiles,
+};
 
 use super::model::{MICRON, Model};
 use super::shader::{CHUNK, Kernel, Params, Precision, Variant, WORKGROUP};
@@ -173,7 +175,7 @@ fn run(
             slots[slot].read(gpu, tile, |bytes| {
                 deliver(
                     range,
-                    &Unpack { adapter: &gpu.adapter().name, bytes, precision, packing: &model.packing, range },
+                    &Unpack { adapter: &gpu.adapter().name, bytes, precision, packing: &model.packing, range, request },
                 )
             })?;
         }
@@ -189,6 +191,7 @@ struct Unpack<'a> {
     precision: Precision,
     packing: &'a Packing,
     range: &'a TileRange,
+    request: &'a FrfRequest<'a>,
 }
 
 impl Unpack<'_> {
@@ -206,6 +209,7 @@ impl Unpack<'_> {
         let read: &[[T; 2]] = bytemuck::cast_slice(self.bytes);
         let n = self.range.frequencies.len();
         let (n_pairs, n_values) = (self.packing.pairs.len(), self.packing.pair_of_value.len());
+        let rests = self.range.frequencies.start == 0 && self.request.has_accelerance_at_rest();
         let bad = values
             .par_chunks_mut(n * n_values)
             .zip(read.par_chunks(n * n_pairs))
@@ -220,6 +224,12 @@ impl Unpack<'_> {
                     for (row, [re, im]) in values.chunks_exact_mut(n_values).zip(column) {
                         row[value] = Complex::new((*re).into() * MICRON, (*im).into() * MICRON);
                     }
+                }
+                // Free motions divide 0 by 0 there; the processor knows the value in f64.
+                if rests && first == 0 {
+                    let system = &self.request.systems[self.range.positions.start + position];
+                    let at_rest = PackedSystem::new(system, self.packing).at_rest(self.packing, self.request.quantity);
+                    at_rest.into_iter().for_each(|at_rest| values[..n_values].copy_from_slice(&at_rest));
                 }
                 let bad = values.iter().position(|x| !(x.re.is_finite() && x.im.is_finite()));
                 bad.map(|at| (position, first + at / n_values))

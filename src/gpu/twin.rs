@@ -36,6 +36,11 @@ pub fn entry(request: &FrfRequest, position: usize, frequency: usize, output: us
     let n_pairs = packing.pairs.len();
     let pair = packing.pair_of_value[output * request.inputs.len() + input];
     let f = Split::new(request.frequencies[frequency]);
+    if request.frequencies[frequency] == 0.0
+        && let Some(at_rest) = system.at_rest(&packing, request.quantity)
+    {
+        return at_rest[output * request.inputs.len() + input];
+    }
     let mut sum = Complex::new(0.0f32, 0.0);
     for c in system.residual.chunks_exact(n_pairs).rev() {
         sum = sum * f.high + Complex::new((c[pair].re * 1e6) as f32, (c[pair].im * 1e6) as f32);

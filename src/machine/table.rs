@@ -111,10 +111,11 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// A whole number of at least one.
+    /// A whole number from one to a billion.
     pub fn count(&self) -> Result<usize> {
         match self.number().map(|n| n.parse::<f64>()) {
             Some(Ok(n)) if (1.0..=1e9).contains(&n) && n.fract() == 0.0 => Ok(n as usize),
+            Some(Ok(n)) if n > 1e9 => Err(self.refuse("a whole number of at most 1000000000", "lower it")),
             _ => Err(self.refuse("a whole number of at least 1", "write it without quotes or unit")),
         }
     }
@@ -272,17 +273,16 @@ impl<'a> Table<'a> {
 
     /// All entries in the order of the file, for tables whose keys are names.
     pub fn entries(&self) -> Result<Vec<(&'a str, Item<'a>)>> {
+        let entries = self.children();
+        entries.iter().try_for_each(|(name, item)| item.check_name(name))?;
+        Ok(entries)
+    }
+
+    /// The same where the keys repeat names from elsewhere, which may hold points.
+    pub fn children(&self) -> Vec<(&'a str, Item<'a>)> {
         let mut keys: Vec<_> = self.map.keys().collect();
         keys.sort_by_key(|key| key.span().start);
-        let mut entries = Vec::with_capacity(keys.len());
-        for key in keys {
-            let Some(item) = self.child(key.get_ref()) else {
-                continue;
-            };
-            item.check_name(key.get_ref())?;
-            entries.push((key.get_ref().as_ref(), item));
-        }
-        Ok(entries)
+        keys.into_iter().filter_map(|key| Some((key.get_ref().as_ref(), self.child(key.get_ref())?))).collect()
     }
 
     /// Refuses every key that nobody asked for.

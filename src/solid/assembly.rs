@@ -1,12 +1,12 @@
 //! Assembly of a part's stiffness and mass; clamped nodes and rigid surfaces are eliminated on the way.
 
 use super::held::held;
-use super::numbering::{NodeMap, interface_motions, number, rigid_motions};
+use super::numbering::{NodeMap, Numbering, interface_motions, number, rigid_motions};
 use super::{InterfaceMotion, NodeRows, SolidError, Surface};
-use crate::element::{ElementMatrices, matrices};
+use crate::element::{ElementMatrices, incompatible_modes, matrices};
 use crate::linalg::{LinalgError, Ordering, SparseBuilder, SparseSymmetric};
 use crate::machine::Part;
-use crate::mesh::Mesh;
+use crate::mesh::{Cell, Mesh};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
 
@@ -57,7 +57,7 @@ impl SecondOrder {
     }
 
     /// What each unknown is: a node and its direction (0 to 2 translations, 3 to 5 rotations); `None` for
-    /// a modal coordinate or a rigid surface's motion.
+    /// a modal coordinate, a rigid surface's motion or an incompatible mode of a C3D8I.
     pub fn node_of_unknown(&self) -> Vec<Option<(usize, usize)>> {
         let mut out = vec![None; self.n_dof()];
         for (i, map) in self.node_unknowns.iter().enumerate() {
@@ -121,7 +121,8 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
     one_piece(name, mesh)?;
     let held = held(part, mesh)?;
     let (surfaces, interfaces): (Vec<_>, Vec<_>) = interface_motions(part, mesh)?.into_iter().unzip();
-    let numbering = number(part, mesh, &held, &interfaces)?;
+    let mut numbering = number(part, mesh, &held, &interfaces)?;
+    let own = number_incompatible_modes(mesh, &mut numbering);
 
     let elements: Vec<ElementMatrices> = mesh
         .cells
@@ -138,14 +139,15 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
         .collect::<Result<_, _>>()?;
     super::hourglass::check(part, mesh, &numbering.nodes, &elements)?;
 
-    let pattern = pattern(mesh, &numbering.nodes, numbering.n_dof);
+    let pattern = pattern(mesh, &numbering, &own);
     let (mut stiffness, mut mass) = (SparseBuilder::new(&pattern), SparseBuilder::new(&pattern));
-    for (cell, matrices) in mesh.cells.iter().zip(&elements) {
-        for (a, &na) in cell.nodes.iter().enumerate() {
-            for (b, &nb) in cell.nodes.iter().enumerate() {
+    for ((cell, matrices), &first) in mesh.cells.iter().zip(&elements).zip(&own) {
+        let maps: Vec<NodeMap> = function_maps(cell, first, &numbering.nodes).collect();
+        for (a, map) in maps.iter().enumerate() {
+            for (b, other) in maps.iter().enumerate() {
                 let (k, m) = (matrices.stiffness(a, b), matrices.mass(a, b));
-                numbering.nodes[na].each(|i, ci, fi| {
-                    numbering.nodes[nb].each(|j, cj, fj| {
+                map.each(|i, ci, fi| {
+                    other.each(|j, cj, fj| {
                         stiffness.add(i, j, fi * fj * k[ci][cj]);
                         if ci == cj {
                             mass.add(i, j, fi * fj * m);
@@ -175,26 +177,49 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
     })
 }
 
-/// Columns of each row of the assembled matrices, ascending.
-fn pattern(mesh: &Mesh, nodes: &[NodeMap], n_dof: usize) -> Vec<Vec<usize>> {
+/// Gives the incompatible modes of each C3D8I three unknowns each, behind all unknowns of nodes, and returns the
+/// first of each cell.
+///
+/// No other element shares them, so one group an element is enough for the fill-reducing order, which eliminates
+/// them first.
+fn number_incompatible_modes(mesh: &Mesh, numbering: &mut Numbering) -> Vec<usize> {
+    let mut first = Vec::with_capacity(mesh.cells.len());
+    for cell in &mesh.cells {
+        first.push(numbering.n_dof);
+        let end = numbering.n_dof + 3 * incompatible_modes(cell.kind);
+        if end > numbering.n_dof {
+            numbering.groups.push((numbering.n_dof..end).collect());
+        }
+        numbering.n_dof = end;
+    }
+    first
+}
+
+/// The unknowns of each displacement function of an element: its nodes, then its incompatible modes, whose unknowns
+/// begin at `first`.
+fn function_maps<'a>(cell: &'a Cell, first: usize, nodes: &'a [NodeMap]) -> impl Iterator<Item = NodeMap> + 'a {
+    let modes = (0..incompatible_modes(cell.kind)).map(move |m| NodeMap::Free(first + 3 * m));
+    cell.nodes.iter().map(|&node| nodes[node].clone()).chain(modes)
+}
+
+/// Columns of each row of the assembled matrices, ascending. `own` holds the first unknown of each cell's modes.
+fn pattern(mesh: &Mesh, numbering: &Numbering, own: &[usize]) -> Vec<Vec<usize>> {
     let mut cells_of_node = vec![Vec::new(); mesh.nodes.len()];
     for (c, cell) in mesh.cells.iter().enumerate() {
         for &node in &cell.nodes {
             cells_of_node[node].push(c);
         }
     }
-    let rows_of_node: Vec<Vec<usize>> = cells_of_node
-        .par_iter()
-        .map(|cells| {
-            let mut columns: Vec<usize> =
-                cells.iter().flat_map(|&c| mesh.cells[c].nodes.iter().flat_map(|&n| nodes[n].unknowns())).collect();
-            columns.sort_unstable();
-            columns.dedup();
-            columns
-        })
-        .collect();
-    let mut pattern = vec![Vec::new(); n_dof];
-    for (map, columns) in nodes.iter().zip(&rows_of_node) {
+    let columns_of = |cells: &[usize]| {
+        let maps = cells.iter().flat_map(|&c| function_maps(&mesh.cells[c], own[c], &numbering.nodes));
+        let mut columns: Vec<usize> = maps.flat_map(|map| map.unknowns()).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        columns
+    };
+    let rows_of_node: Vec<Vec<usize>> = cells_of_node.par_iter().map(|cells| columns_of(cells)).collect();
+    let mut pattern = vec![Vec::new(); numbering.n_dof];
+    for (map, columns) in numbering.nodes.iter().zip(&rows_of_node) {
         for unknown in map.unknowns() {
             let row: &mut Vec<usize> = &mut pattern[unknown];
             let shared = !row.is_empty();
@@ -203,6 +228,11 @@ fn pattern(mesh: &Mesh, nodes: &[NodeMap], n_dof: usize) -> Vec<Vec<usize>> {
                 row.sort_unstable();
                 row.dedup();
             }
+        }
+    }
+    for (c, cell) in mesh.cells.iter().enumerate() {
+        for unknown in own[c]..own[c] + 3 * incompatible_modes(cell.kind) {
+            pattern[unknown] = columns_of(&[c]);
         }
     }
     pattern

@@ -10,7 +10,7 @@ use super::device::{BackendUse, SpringBackend};
 use super::modes_route::static_compliance;
 use super::{Design, Evaluation, Evaluator, PositionMetrics, Prepared, Request, SweepError};
 use crate::coupling::{Around, SpringValues};
-use crate::frf::metrics::{Extremum, PairMetrics};
+use crate::frf::metrics::{Extremum, PairMetrics, direct_pairs_of};
 use crate::frf::modification::{BaseMode, BaseReceptance, SpringChange, Work};
 use crate::frf::refined_extrema;
 use crate::gpu::modification::SpringRequest;
@@ -60,9 +60,9 @@ impl<'a> CouplingRoute<'a> {
         let request = Request { whole_basis: true, ..request };
         let bases = Bases::new(machine, superelements, request, probes, interrupt)?;
         let model = &bases.nominal.model;
-        let n = model.output_names().len().min(model.input_names().len());
+        let pairs = direct_pairs_of(&model.output_names(), &model.input_names());
         let backend = SpringBackend::cpu("no device is asked for");
-        Ok(Self { bases, pairs: (0..n).map(|i| (i, i)).collect(), backend })
+        Ok(Self { bases, pairs, backend })
     }
 
     /// The same on another back end; its extrema are the same.

@@ -1,10 +1,14 @@
 //! What a study wants of a design: bounds to keep, objectives to improve, and what it costs.
+//!
+//! Bounds, objectives and the search name a metric as the table's columns do. With several ports such a name holds a
+//! point, `dyn_tool.x`, which TOML takes for a table within a table unless it is quoted; both are read as the name, and
+//! so is `dyn_tool_x` with underscores for points and spaces.
 
 use super::metrics::{Metric, Over, Quantity};
 use super::study_error::StudyError;
 use super::variables::Variable;
-use crate::machine::Dimension;
 use crate::machine::table::{Bound as Sign, Item, Table, find_name};
+use crate::machine::{Dimension, MachineError};
 
 /// A number that bounds and objectives may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +75,13 @@ pub struct Objective {
 }
 
 impl Objective {
+    /// To improve a figure in its own sense: a stiffness, a frequency or a real part larger, a compliance or the cost
+    /// smaller.
+    pub(super) fn natural(figure: Figure, name: &str, metrics: &[Metric]) -> Self {
+        let maximise = matches!(figure, Figure::Metric(at) if metrics[at].quantity.larger_is_better());
+        Self { name: name.to_owned(), figure, maximise }
+    }
+
     /// A value as something to make small.
     pub fn to_minimise(&self, value: f64) -> f64 {
         if self.maximise { -value } else { value }
@@ -107,26 +118,71 @@ pub(super) fn read_cost(root: &Table<'_>, variables: &[Variable]) -> Result<Opti
     Ok(Some(Cost { unit, constant, terms }))
 }
 
-/// Names that bounds and objectives may use.
-struct Names<'a> {
-    metrics: &'a [Metric],
-    has_cost: bool,
+/// Names that bounds, objectives and the search may use.
+#[derive(Clone, Copy)]
+pub(super) struct Names<'a> {
+    pub metrics: &'a [Metric],
+    pub has_cost: bool,
 }
 
-impl Names<'_> {
-    fn find(&self, item: &Item<'_>, name: &str) -> Result<Figure> {
-        let mut names: Vec<&str> = self.metrics.iter().map(|m| m.name.as_str()).collect();
-        names.extend(self.has_cost.then_some("cost"));
-        let at = find_name(item, "metric", name, &names)?;
+/// A name with underscores for points and spaces.
+fn plain(name: &str) -> String {
+    name.replace(['.', ' '], "_")
+}
+
+impl<'a> Names<'a> {
+    /// All of them, the cost last.
+    fn all(&self) -> Vec<&'a str> {
+        let metrics = self.metrics.iter().map(|m| m.name.as_str());
+        metrics.chain(self.has_cost.then_some("cost")).collect()
+    }
+
+    /// The figure of a name, and the name as columns have it.
+    pub fn find(&self, item: &Item<'_>, name: &str) -> Result<(Figure, &'a str)> {
+        let names = self.all();
+        // Underscores for points serve where they leave no doubt.
+        let mut alike = names.iter().filter(|known| plain(known) == plain(name));
+        let meant = match (names.contains(&name), alike.next(), alike.next()) {
+            (false, Some(known), None) => known,
+            _ => name,
+        };
+        let at = find_name(item, "metric", meant, &names)?;
+        Ok((self.figure(item, at)?, names[at]))
+    }
+
+    fn figure(&self, item: &Item<'_>, at: usize) -> Result<Figure> {
         if at == self.metrics.len() {
             return Ok(Figure::Cost);
         }
+        let name = &self.metrics[at].name;
         if self.metrics[at].over == Over::Each {
             let seen = format!("{name:?}, which has a value at each position");
             let allowed = "a metric over \"worst\" or \"mean\"";
             return Err(item.refuse_seen(seen, allowed, "add such a metric and name it here").into());
         }
         Ok(Figure::Metric(at))
+    }
+
+    /// The entries of `[bounds]` or `[objectives]` with the names they are for, in the order of the file.
+    ///
+    /// A table whose key is how a name begins up to a point is not a goal but the beginning of that name.
+    fn entries<'t>(&self, table: &Table<'t>, before: &str) -> Result<Vec<(String, Item<'t>)>> {
+        let mut entries = Vec::new();
+        for (key, item) in table.children() {
+            let name = format!("{before}{key}");
+            let begins = |known: &&str| known.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with('.'));
+            if item.is_table() && self.all().iter().any(begins) {
+                entries.extend(self.entries(&item.table()?, &format!("{name}."))?);
+            } else {
+                entries.push((name, item));
+            }
+        }
+        Ok(entries)
+    }
+
+    /// The same of a section that may be left out.
+    fn section<'t>(&self, root: &Table<'t>, key: &'static str) -> Result<Vec<(String, Item<'t>)>> {
+        root.get(key).map_or_else(|| Ok(Vec::new()), |item| self.entries(&item.table()?, ""))
     }
 
     fn value(&self, item: &Item<'_>, figure: Figure) -> Result<f64> {
@@ -147,9 +203,17 @@ pub(super) fn read_goals(
     cost: Option<&Cost>,
 ) -> Result<(Vec<Bound>, Vec<Objective>)> {
     let names = Names { metrics, has_cost: cost.is_some() };
-    let mut bounds = Vec::new();
-    for (name, item) in entries(root, "bounds")? {
-        let figure = names.find(&item, name)?;
+    let twice = |item: &Item<'_>, kind, name: &str| MachineError::Duplicate {
+        place: item.place(),
+        kind,
+        name: name.to_owned(),
+    };
+    let mut bounds: Vec<Bound> = Vec::new();
+    for (name, item) in names.section(root, "bounds")? {
+        let (figure, name) = names.find(&item, &name)?;
+        if bounds.iter().any(|bound| bound.figure == figure) {
+            return Err(twice(&item, "bound", name).into());
+        }
         let table = item.table()?;
         let (low, high) = (table.get("min"), table.get("max"));
         let min = low.as_ref().map(|item| names.value(item, figure)).transpose()?;
@@ -163,9 +227,12 @@ pub(super) fn read_goals(
             _ => bounds.push(Bound { name: name.to_owned(), figure, min, max }),
         }
     }
-    let mut objectives = Vec::new();
-    for (name, item) in entries(root, "objectives")? {
-        let figure = names.find(&item, name)?;
+    let mut objectives: Vec<Objective> = Vec::new();
+    for (name, item) in names.section(root, "objectives")? {
+        let (figure, name) = names.find(&item, &name)?;
+        if objectives.iter().any(|objective| objective.figure == figure) {
+            return Err(twice(&item, "objective", name).into());
+        }
         let maximise = match item.text()? {
             "maximise" => true,
             "minimise" => false,
@@ -174,9 +241,4 @@ pub(super) fn read_goals(
         objectives.push(Objective { name: name.to_owned(), figure, maximise });
     }
     Ok((bounds, objectives))
-}
-
-fn entries<'a>(root: &Table<'a>, key: &'static str) -> Result<Vec<(&'a str, Item<'a>)>> {
-    let Some(item) = root.get(key) else { return Ok(Vec::new()) };
-    Ok(item.table()?.entries()?)
 }

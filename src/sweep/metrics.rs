@@ -2,6 +2,7 @@
 
 use super::study_error::StudyError;
 use super::{Evaluation, PositionMetrics, Sensitivity};
+use crate::frf::metrics::direct_pairs_of;
 use crate::machine::Machine;
 use crate::machine::table::{Item, Table, find_name};
 
@@ -206,7 +207,8 @@ type Result<T> = std::result::Result<T, StudyError>;
 const KINDS: [&str; 5] =
     ["dynamic-stiffness", "compliance", "negative-real-part", "static-stiffness", "eigenfrequency"];
 
-/// Names of the direct pairs' directions: those of the inputs and outputs in step, as the coupled model names them.
+/// Names of the direct pairs' directions, as the coupled model names outputs and inputs: `x`, of a machine with several
+/// ports `tool.x`, and `sensor.x from tool.x` where no output is an input too.
 pub fn directions(machine: &Machine) -> Vec<String> {
     let names = |wanted: fn(&crate::machine::Port) -> bool| -> Vec<String> {
         let ports = machine.ports.iter().filter(|p| wanted(p));
@@ -218,7 +220,11 @@ pub fn directions(machine: &Machine) -> Vec<String> {
         all.collect()
     };
     let (outputs, inputs) = (names(|p| p.output), names(|p| p.input));
-    outputs.into_iter().zip(inputs).map(|(o, i)| if o == i { o } else { format!("{o} from {i}") }).collect()
+    let name = |(o, i): (usize, usize)| match (&outputs[o], &inputs[i]) {
+        (output, input) if output == input => output.clone(),
+        (output, input) => format!("{output} from {input}"),
+    };
+    direct_pairs_of(&outputs, &inputs).into_iter().map(name).collect()
 }
 
 /// Reads `[metrics]`; returns the metrics and the families that they need.
@@ -257,6 +263,13 @@ pub(super) fn read_metrics(root: &Table<'_>, machine: &Machine) -> Result<(Vec<M
         if kind == 4 {
             for item in table.need("families", "families = [1, 2]")?.list()? {
                 let family = item.count()?;
+                let most = machine.analysis.modes;
+                if family > most {
+                    let allowed =
+                        format!("a family from 1 to {most}, the elastic modes that the machine file asks for");
+                    let advice = "correct it, or raise `modes` in the machine file's [analysis]";
+                    return Err(item.refuse(allowed, advice).into());
+                }
                 let at = families.iter().position(|(f, _)| *f == family).unwrap_or_else(|| {
                     families.push((family, families.len()));
                     families.len() - 1
@@ -281,16 +294,15 @@ pub(super) fn read_metrics(root: &Table<'_>, machine: &Machine) -> Result<(Vec<M
         if metrics.len() == before {
             return Err(item.refuse("at least one direction or family", "name one").into());
         }
-        let last = metrics.last().map(|m| m.name.clone());
-        if let Some(twice) = last.filter(|_| has_twice(&metrics)) {
-            return Err(
-                crate::machine::MachineError::Duplicate { place: item.place(), kind: "metric", name: twice }.into()
-            );
+        if let Some(name) = twice(&metrics) {
+            return Err(crate::machine::MachineError::Duplicate { place: item.place(), kind: "metric", name }.into());
         }
     }
     Ok((metrics, families.into_iter().map(|(family, _)| family).collect()))
 }
 
-fn has_twice(metrics: &[Metric]) -> bool {
-    metrics.iter().enumerate().any(|(i, m)| metrics[..i].iter().any(|o| o.name == m.name))
+/// A name that two metrics have.
+fn twice(metrics: &[Metric]) -> Option<String> {
+    let before = |(i, metric): &(usize, &Metric)| metrics[..*i].iter().any(|other| other.name == metric.name);
+    metrics.iter().enumerate().find(before).map(|(_, metric)| metric.name.clone())
 }

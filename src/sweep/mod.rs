@@ -45,7 +45,7 @@ use crate::frf::metrics::PairMetrics;
 /// Metrics of one design at one position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositionMetrics {
-    /// Refined extrema of the direct pairs (output i, input i), in their order.
+    /// Refined extrema of the direct pairs, in the order of [`crate::frf::metrics::direct_pairs_of`].
     pub pairs: Vec<PairMetrics>,
     /// Static compliance H_ii(0) of the direct pairs, m/N; infinite where a free motion is felt.
     pub static_compliance: Vec<f64>,

@@ -8,21 +8,21 @@
 //! The sequence of designs is a function of the study and of the values found: a search is continued by giving the
 //! same values again.
 
-use super::goals::Objective;
+use super::goals::{Names, Objective};
 use super::runner::RunError;
 use super::study::Study;
 use super::study_error::StudyError;
 use super::table::Row;
 use super::{Evaluator, SweepError};
 use crate::interrupt::Interrupt;
-use crate::machine::table::{Table, find_name};
+use crate::machine::table::Table;
 use cmaes::{CMAESOptions, DVector};
 
 /// How the best design is looked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Search {
-    /// Objective by index, if the study has one.
-    pub objective: usize,
+    /// What is improved; `None` in a study that has no objective and names none here.
+    pub objective: Option<Objective>,
     /// Evaluations at most.
     pub evaluations: usize,
     /// Designs a generation; `None` takes 4 + floor(3 ln n).
@@ -34,13 +34,18 @@ pub struct Search {
 }
 
 /// Reads `[optimise]`, which may be left out.
-pub(super) fn read_search(root: &Table<'_>, objectives: &[Objective]) -> Result<Search, StudyError> {
-    let mut search = Search { objective: 0, evaluations: 400, population: None, step: 0.3, seed: 1 };
+///
+/// Its objective is one of the study's, the first without a name, or any other metric or the cost, which is then
+/// improved in its own sense.
+pub(super) fn read_search(root: &Table<'_>, objectives: &[Objective], names: Names<'_>) -> Result<Search, StudyError> {
+    let objective = objectives.first().cloned();
+    let mut search = Search { objective, evaluations: 400, population: None, step: 0.3, seed: 1 };
     let Some(item) = root.get("optimise") else { return Ok(search) };
     let table = item.table()?;
     if let Some(item) = table.get("objective") {
-        let names: Vec<&str> = objectives.iter().map(|o| o.name.as_str()).collect();
-        search.objective = find_name(&item, "objective", item.text()?, &names)?;
+        let (figure, name) = names.find(&item, item.text()?)?;
+        let listed = objectives.iter().find(|objective| objective.figure == figure).cloned();
+        search.objective = Some(listed.unwrap_or_else(|| Objective::natural(figure, name, names.metrics)));
     }
     if let Some(item) = table.get("evaluations") {
         search.evaluations = item.count()?;
@@ -86,9 +91,12 @@ pub struct Found {
 }
 
 impl Study {
-    /// The value to be made small: of the objective, or far larger where a bound is missed or a value missing.
+    /// The value to be made small: of the search's objective, or far larger where a bound is missed or a value missing.
+    ///
+    /// # Panics
+    /// If the search has no objective.
     pub fn score(&self, row: &Row, size: f64) -> f64 {
-        let objective = &self.objectives[self.search.objective];
+        let objective = self.search.objective.as_ref().expect("an objective");
         let missed = |b: &super::goals::Bound| row.results[self.result_place(b.figure)].map(|v| b.violation(v));
         let violation: Option<f64> = self.bounds.iter().map(missed).sum();
         let value = row.results[self.result_place(objective.figure)];
@@ -107,7 +115,7 @@ impl Study {
 /// [`RunError::Interrupted`], and what `seen` returns.
 ///
 /// # Panics
-/// If the study has no objective.
+/// If the search has no objective.
 pub fn optimise(
     study: &Study,
     evaluator: &dyn Evaluator,
@@ -115,8 +123,8 @@ pub fn optimise(
     interrupt: &Interrupt,
     seen: &mut dyn FnMut(&Row) -> Result<(), RunError>,
 ) -> Result<Found, RunError> {
-    assert!(!study.objectives.is_empty(), "a study without objective");
-    let search = study.search;
+    let search = &study.search;
+    let objective = search.objective.as_ref().expect("a study whose search has an objective");
     let start: Vec<f64> = study.variables.iter().map(|v| v.nominal.map_or(0.5, |value| v.place(value))).collect();
     let mut rows: Vec<Row> = Vec::new();
     let (mut failed, mut size) = (None, None::<f64>);
@@ -142,7 +150,7 @@ pub fn optimise(
                 row
             }
         };
-        let own = row.results[study.result_place(study.objectives[search.objective].figure)];
+        let own = row.results[study.result_place(objective.figure)];
         let size = *size.get_or_insert(own.map_or(1.0, |v| v.abs().max(f64::MIN_POSITIVE)));
         let score = study.score(&row, size) + OUTSIDE * distance;
         rows.push(row);

@@ -1,8 +1,8 @@
 //! The study file: what is varied, how it is sampled, what is measured and wanted.
 
 use super::Design;
-use super::goals::{Bound, Cost, Figure, Objective, read_cost, read_goals};
-use super::metrics::{Column, Metric, read_metrics};
+use super::goals::{Bound, Cost, Figure, Names, Objective, read_cost, read_goals};
+use super::metrics::{Column, Metric, Quantity, read_metrics};
 use super::optimise::{Search, read_search};
 use super::sampling::{Sampling, read_sampling};
 use super::study_error::StudyError;
@@ -101,6 +101,22 @@ impl Study {
         usize::from(self.cost.is_some()) + before.sum::<usize>()
     }
 
+    /// What a reader of the table should know, in sentences.
+    pub fn remarks(&self) -> Vec<String> {
+        let own =
+            self.machine.joints.iter().map(|j| j.loss_factor).chain(self.machine.parts.iter().map(|p| p.loss_factor));
+        let eta = self.machine.analysis.damping.loss_factor + own.flatten().fold(0.0, f64::max);
+        let is_static = |metric: &Metric| matches!(metric.quantity, Quantity::StaticStiffness(_));
+        if eta == 0.0 || !self.metrics.iter().any(is_static) {
+            return Vec::new();
+        }
+        let percent = 100.0 * ((1.0 + eta * eta).sqrt() - 1.0);
+        vec![format!(
+            "static-stiffness is that of the machine without damping; with loss factors of up to {eta} 1/|H(0)| of a map \
+             is larger by up to {percent:.2} %"
+        )]
+    }
+
     /// Unit of a figure.
     pub fn unit(&self, figure: Figure) -> String {
         self.result_columns()[self.result_place(figure)].unit.clone()
@@ -144,7 +160,7 @@ pub fn read_study(path: &Path) -> Result<Study, StudyError> {
             [grid[0], grid[grid.len() - 1]]
         }
     };
-    let search = read_search(&root, &objectives)?;
+    let search = read_search(&root, &objectives, Names { metrics: &metrics, has_cost: cost.is_some() })?;
     let whole = root.item.clone();
     root.finish()?;
     let file = path.to_path_buf();

@@ -10,5 +10,6 @@ mod bench;
 mod decks;
 mod element_matrices;
 mod free_bodies;
+mod incompatible_bricks;
 mod nafems;
 mod thin_cantilever;

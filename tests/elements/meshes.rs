@@ -12,10 +12,12 @@ use stiffmap::solid::{SolidError, assemble};
 fn inner_force(mesh: &Mesh, field: &dyn Fn(Vector3<f64>) -> Vector3<f64>) -> f64 {
     let system = assemble(&part("cube", &[], vec![]), mesh).expect("assembles");
     let outside: std::collections::BTreeSet<usize> = mesh.node_sets.values().flatten().copied().collect();
-    let u = DMatrix::from_fn(system.n_dof(), 1, |i, _| field(mesh.nodes[i / 3].into())[i % 3]);
+    // Incompatible modes, whose unknowns stand behind those of the nodes, take no part in a linear field.
+    let u =
+        DMatrix::from_fn(system.n_dof(), 1, |i, _| mesh.nodes.get(i / 3).map_or(0.0, |x| field((*x).into())[i % 3]));
     let f = system.stiffness.multiply(&u);
-    let inner = (0..mesh.nodes.len()).filter(|n| !outside.contains(n));
-    inner.flat_map(|n| (0..3).map(move |c| 3 * n + c)).map(|i| f[(i, 0)].abs()).fold(0.0, f64::max) / f.amax()
+    let inner = (0..system.n_dof()).filter(|i| !outside.contains(&(i / 3)));
+    inner.map(|i| f[(i, 0)].abs()).fold(0.0, f64::max) / f.amax()
 }
 
 fn patch_test(name: &str, mesh: &Mesh) {

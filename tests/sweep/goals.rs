@@ -146,3 +146,17 @@ fn bounds_keep_designs_off_the_front_and_out_of_the_best() {
     assert_eq!(best(&study, &rows).unwrap().index, 2);
     assert!(best(&study, &rows[4..]).is_none());
 }
+
+#[test]
+fn a_static_stiffness_beside_loss_factors_is_told_to_be_without_damping() {
+    let metric = "[metrics.static]\nkind = \"static-stiffness\"\ndirections = [\"x\"]\n[cost]";
+    let with = |loss: &str| {
+        let text = changed("[cost]", metric).replace("[objectives]", &format!("[damping]\n{loss}\n[objectives]"));
+        read(&text).unwrap_or_else(|e| panic!("{e}")).remarks()
+    };
+    // k (1 + 0.2 j) is stiffer than k by sqrt(1.04).
+    let told = with("loss_factor = 0.2");
+    assert!(told.len() == 1 && told[0].contains("without damping") && told[0].contains("1.98 %"), "{told:?}");
+    assert_eq!(with("ratio = 0.02"), [String::new(); 0], "viscous damping rests at 0 Hz");
+    assert_eq!(read(STUDY).unwrap().remarks(), [String::new(); 0], "control: no such metric");
+}

@@ -2,10 +2,12 @@
 
 mod command;
 mod dask;
+mod free_machine;
 mod goals;
 mod interrupted;
 mod optimum;
 mod parquet;
+mod ports;
 mod refusals;
 mod routes;
 mod samples;

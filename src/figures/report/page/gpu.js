@@ -86,6 +86,12 @@ class Gpu {
     await staging.mapAsync(GPUMapMode.READ, 0, bytes);
     const values = new Float32Array(staging.getMappedRange(0, bytes).slice(0));
     staging.unmap();
+    if (frequencies[0] === 0 && power === 2) {
+      systems.forEach((system, p) => {
+        values[2 * p * frequencies.length] = acceleranceAtRest(system, o, i) * 1e6;
+        values[2 * p * frequencies.length + 1] = 0;
+      });
+    }
     return values;
   }
 }

@@ -1,8 +1,20 @@
 // The modal sum in f64: what shaders/modal_sum.wgsl computes, where there is no WebGPU and for single curves.
 
+// Accelerance of a pair at 0 Hz, 1/kg: what free motions give; every elastic mode is multiplied by 0.
+function acceleranceAtRest({ n, frequency, outputs, inputs }, o, i) {
+  let sum = 0;
+  for (let r = 0; r < n; r++) if (frequency[r] === 0) sum += outputs[o * n + r] * inputs[i * n + r];
+  return sum;
+}
+
 // Response of one output to one input at a frequency (Hz), m/N times the powers of 1/s, into value [re, im].
 function responseAt(system, o, i, nInputs, f, power, value) {
   const { n, frequency, viscous, loss, outputs, inputs, residual, degrees } = system;
+  if (f === 0 && power === 2) {
+    value[0] = acceleranceAtRest(system, o, i);
+    value[1] = 0;
+    return;
+  }
   const omega = TAU * f;
   let re = 0;
   let im = 0;
