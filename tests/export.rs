@@ -66,14 +66,16 @@ fn eigenfrequencies_are_listed_by_position_and_rank() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("eigenfrequencies.csv");
     let mut families = families();
-    eigenfrequencies::write_families(&file, &families).unwrap();
+    let errors = vec![vec![None, Some(2.5e-6), Some(0.0)], vec![None, None, None]];
+    eigenfrequencies::write_families(&file, &families, &errors).unwrap();
     let mut lines = csv::Reader::from_path(&file).unwrap();
-    let rows: Vec<(f64, usize, usize, f64, f64)> = lines.deserialize().map(|r| r.unwrap()).collect();
+    let rows: Vec<(f64, usize, usize, f64, f64, Option<f64>)> = lines.deserialize().map(|r| r.unwrap()).collect();
     assert_eq!(rows.len(), 6);
-    assert_eq!(rows[2], (0.0, 3, 3, 1.0 / 3.0 + 20.0, 0.02));
-    assert_eq!(rows[4], (-0.3, 3, 2, 13.0, 0.02));
+    assert_eq!(rows[2], (0.0, 3, 3, 1.0 / 3.0 + 20.0, 0.02, Some(0.0)));
+    assert_eq!((rows[0].5, rows[1].5), (None, Some(2.5e-6)));
+    assert_eq!(rows[4], (-0.3, 3, 2, 13.0, 0.02, None));
     families.modes[1][0].frequency = f64::INFINITY;
-    let error = eigenfrequencies::write_families(&file, &families).unwrap_err();
+    let error = eigenfrequencies::write_families(&file, &families, &errors).unwrap_err();
     assert!(error.to_string().contains("frequency of rank 1 at -0.3 m is inf"), "{error}");
 }
 

@@ -98,7 +98,7 @@ fn lanczos_finds_the_dense_eigenvalues_with_mass_normalised_shapes() {
     let Body { system, ordering, eigenvalues } = body();
     let factor = Cholesky::new(&system.stiffness, ordering).expect("positive definite");
     let find = |modes: usize, block: usize| {
-        let options = LanczosOptions { modes, block, tolerance: 1e-8, interrupt: None };
+        let options = LanczosOptions { modes, block, tolerance: 1e-8, beyond: 6, interrupt: None };
         lowest_modes(&system.mass, &|load: &DMatrix<f64>| factor.solve(load), options).expect("converges")
     };
     for (modes, block) in [(1, 1), (12, 1), (12, 4), (40, 8), (system.n_dof(), 8)] {
@@ -174,21 +174,56 @@ fn the_dense_eigenproblem_keeps_the_low_end_of_a_graded_matrix() {
     assert!(error < 1e-11, "{error:.1e}");
 }
 
+/// Lambda + W^T W of a soft and a very stiff spring beside each other, its exact low eigenvalues: two masses on a
+/// line, the first on a mount k_1, the second on it by k_2, and a third that nothing holds but a spring of 1 N/m.
+fn two_masses(stiff: f64) -> (Vec<f64>, DMatrix<f64>, [f64; 3]) {
+    let (soft, m) = (400.0_f64, [3.0_f64, 5.0, 2.0]);
+    let rows = [[soft.sqrt() / m[0].sqrt(), 0.0, 0.0], [-stiff.sqrt() / m[0].sqrt(), stiff.sqrt() / m[1].sqrt(), 0.0]];
+    let third = [0.0, 0.0, 1.0 / m[2].sqrt()];
+    let w = DMatrix::from_fn(3, 3, |i, j| if i < 2 { rows[i][j] } else { third[j] });
+    // lambda^2 - b lambda + c = 0 for the pair; the low root by c over the high one, which cancels nothing.
+    let b = (soft + stiff) / m[0] + stiff / m[1];
+    let c = soft * stiff / (m[0] * m[1]);
+    let high = 0.5 * (b + (b * b - 4.0 * c).sqrt());
+    (vec![0.0; 3], w, [1.0 / m[2], c / high, high])
+}
+
 #[test]
-fn polishing_makes_the_low_end_accurate_and_without_it_the_error_shows() {
-    let a = graded(&spectrum());
-    let reference = by_inverse(&a);
-    let error = |polished: usize| {
-        let eigen = symmetric_eigen_polished(&a, polished).expect("converges");
-        (worst_ratio(&eigen.values.as_slice()[..30], &reference[..30]), eigen)
-    };
-    let ((rough, _), (fine, eigen)) = (error(0), error(40));
-    println!("polished {fine:.1e}, not {rough:.1e}");
-    assert!(fine < 1e-10, "{fine:.1e}");
-    assert!(rough > 10.0 * fine, "control: {rough:.1e} without polishing");
-    let residual = &a * eigen.vectors.columns(0, 30)
-        - eigen.vectors.columns(0, 30) * DMatrix::from_diagonal(&eigen.values.rows(0, 30).into_owned());
-    assert!(residual.amax() < 1e-14 * a.amax());
+fn soft_springs_keep_their_digits_beside_any_stiff_one() {
+    for stiff in [1e4, 1e8, 1e12, 1e16, 1e20] {
+        let (lambda, w, exact) = two_masses(stiff);
+        let shift = 30.0;
+        let raised: Vec<f64> = lambda.iter().map(|l| l + shift).collect();
+        let h = flexibility_with_springs(&raised, &w).expect("finite");
+        let found = eigen_of_flexibility(&h, shift).expect("converges").values;
+        let error = worst_ratio(&found.as_slice()[..2], &exact[..2]);
+        assert!(error < 1e-12, "{stiff:e}: {error:.1e}");
+        // Control: the sum of the squares in one matrix has lost the soft ones beside the stiffest.
+        if stiff > 1e19 {
+            let summed = symmetric_eigen(&(w.transpose() * &w)).expect("converges").values;
+            assert!(worst_ratio(&summed.as_slice()[..2], &exact[..2]) > 1e-3, "control: {summed}");
+        }
+    }
+}
+
+#[test]
+fn a_graded_factor_is_orthonormal_and_inverts_rows_of_any_size() {
+    let n = 6;
+    let rows = numbers(20, n, 0.7);
+    let a = DMatrix::from_fn(20, n, |i, j| rows[(i, j)] * 10f64.powi(i as i32 - 10));
+    let factor = graded_factor(&a).expect("full rank");
+    let (q, p) = (&factor.span, &factor.rest);
+    assert!((q.transpose() * q - DMatrix::identity(n, n)).amax() < 1e-14);
+    assert!((q * q.transpose() + p * p.transpose() - DMatrix::identity(20, 20)).amax() < 1e-14);
+    assert!((&a * &factor.inverse - q).amax() < 1e-9, "A R^-1 = Q");
+    assert!(graded_factor(&DMatrix::from_element(3, 1, f64::INFINITY)).is_err());
+    // Rows of a stiff joint twice and a soft one: two directions, and the Gram matrix is theirs.
+    let w = DMatrix::from_row_slice(3, 3, &[1e9, 0.0, 0.0, 2e9, 0.0, 0.0, 1.0, 3.0, 0.0]);
+    let (v, inverse) = independent_rows(&w).expect("finite");
+    assert_eq!(v.ncols(), 2);
+    let gram = inverse.clone().try_inverse().expect("regular");
+    let (whole, exact) = (&v * gram * v.transpose(), w.transpose() * &w);
+    assert!((whole[(0, 0)] / exact[(0, 0)] - 1.0).abs() < 1e-12 && (whole[(1, 1)] / 9.0 - 1.0).abs() < 1e-6);
 }
 
 #[test]

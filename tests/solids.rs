@@ -19,7 +19,7 @@ fn lanczos(system: &SecondOrder, modes: usize, block: usize, shift: f64) -> Spec
     let ordering = system.ordering().expect("METIS orders it");
     let shifted = system.stiffness.plus_scaled(shift, &system.mass);
     let factor = Cholesky::new(&shifted, &ordering).expect("positive definite");
-    let options = LanczosOptions { modes, block, tolerance: 1e-8, interrupt: None };
+    let options = LanczosOptions { modes, block, tolerance: 1e-8, beyond: 0, interrupt: None };
     let mut spectrum =
         lowest_modes(&system.mass, &|load: &DMatrix<f64>| factor.solve(load), options).expect("converges");
     spectrum.eigenvalues.iter_mut().for_each(|l| *l -= shift);

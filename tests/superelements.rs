@@ -76,7 +76,7 @@ fn a_free_part_whose_interfaces_do_not_hold_it_has_no_constraint_modes() {
 fn a_free_part_without_any_interface_has_no_constraint_modes() {
     let (mut parts, meshes) = post_and_arm();
     parts[1].interfaces.clear();
-    let request = ReductionRequest { part: parts[1].clone(), component: craig_bampton(5), rails: vec![] };
+    let request = ReductionRequest { part: parts[1].clone(), component: craig_bampton(5), reach: 0.0, rails: vec![] };
     let refused = reduce(&request, &meshes[1], None).err();
     assert!(matches!(&refused, Some(ReductionError::NotHeld { free: 6, .. })), "{refused:?}");
 }

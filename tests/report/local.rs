@@ -45,16 +45,18 @@ fn worst(model: &CoupledModel, factor: impl Fn(usize) -> f64, reported: impl Fn(
     for position in [0.3, 0.041, -0.3] {
         let at = model.at(position).unwrap();
         let base = model.stiffness(position).unwrap();
-        let modes = symmetric_eigen(&model.coupled(&at, &base).stiffness).unwrap();
+        let modes = model.eigen(&at, &model.coupled(&at, &base).unwrap(), &base).unwrap();
         let varied: Vec<usize> = (0..base.len()).collect();
         let around = model.around_modes(&at, &base, &modes, &varied, HIGHEST, PAGE).unwrap();
         assert!(around.n() < model.n(), "{} of {} coordinates", around.n(), model.n());
         let times = |by: &dyn Fn(usize) -> f64| base.iter().enumerate().map(|(s, k)| by(s) * k).collect::<Vec<_>>();
         let few = around.coupled(&times(&factor)).unwrap();
-        let few = Machine { stiffness: few.stiffness, outputs: few.outputs, inputs: few.inputs, direct: few.direct };
-        let whole = model.coupled(&at, &times(&reported));
+        let stiffness = around.stiffness_matrix(&few);
+        let few = Machine { stiffness, outputs: few.outputs, inputs: few.inputs, direct: few.direct };
+        let whole = model.coupled(&at, &times(&reported)).unwrap();
+        let stiffness = model.stiffness_matrix(&whole);
         let whole =
-            Machine { stiffness: whole.stiffness, outputs: whole.outputs, inputs: whole.inputs, direct: whole.direct };
+            Machine { stiffness, outputs: whole.outputs, inputs: whole.inputs, direct: whole.direct };
         for (h, exact) in few.receptances().iter().zip(whole.receptances()) {
             worst = worst.max((h - &exact).norm() / exact.norm());
         }

@@ -42,7 +42,7 @@ fn mill() -> &'static Mill {
 }
 
 fn modes(position: f64) -> Modes {
-    modes_at(&mill().model, &mill().machine.analysis.damping, position, 60).unwrap()
+    modes_at(&mill().model, &mill().machine.analysis.damping, position).unwrap()
 }
 
 /// The modes at the stations of the travel, 5 mm apart.
