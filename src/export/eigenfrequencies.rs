@@ -10,7 +10,7 @@ use crate::modal::{ModeFamilies, ModeTableRow};
 ///
 /// Columns: `position_m, family, rank, frequency_hz, damping_ratio, reduction_error`, the last of them by how much
 /// the reduction of the parts puts the frequency too high, relative to it, as estimated: `errors[position][rank]`,
-/// empty where there is none. Numbers are written with the fewest digits that give back the same f64.
+/// 0 for free motions, empty where there is none. Numbers are written with the fewest digits that give back the same f64.
 ///
 /// # Errors
 /// [`ExportError::Shape`] if the modes are not one list a position, [`ExportError::NotFinite`] for

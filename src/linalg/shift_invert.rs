@@ -112,7 +112,8 @@ pub fn shift_invert_modes(
         let zero = eigenvalues.iter().take(rigid).fold(1e-9 * shift, |m: f64, l| m.max(l.abs()));
         let rigid = rigid.min(eigenvalues.len());
         let found = FreeSpectrum { eigenvalues, shapes, rigid, residual, counted: 0, counted_below: 0.0 };
-        match count(found, stiffness, mass, ordering, wanted, zero) {
+        let all = found.eigenvalues.len() < (wanted + spare).min(n);
+        match count(found, stiffness, mass, ordering, wanted, Cut { zero, all }) {
             // A block sees no more members of a multiple root than it has vectors, and behind the root
             // there must be another for a gap.
             Err(LinalgError::ModesMissed { .. }) if block < WIDEST.min(2 * n) => {
@@ -123,22 +124,30 @@ pub fn shift_invert_modes(
     }
 }
 
-/// Cuts the spare modes off and counts those below the widest gap behind the wanted ones; eigenvalues
-/// below `zero` are rigid motions.
+/// How modes are cut off.
+struct Cut {
+    /// Eigenvalues below this are rigid motions.
+    zero: f64,
+    /// Whether there are no more modes: of a body with motions without inertia fewer than unknowns.
+    all: bool,
+}
+
+/// Cuts the spare modes off and counts those below the widest gap behind the wanted ones.
 fn count(
     mut found: FreeSpectrum,
     stiffness: &SparseSymmetric,
     mass: &SparseSymmetric,
     ordering: &Ordering,
     wanted: usize,
-    zero: f64,
+    Cut { zero, all }: Cut,
 ) -> Result<FreeSpectrum, LinalgError> {
     let values = &found.eigenvalues;
     let last = values.len();
     let gap = |k: usize| (values[k] - values[k - 1]) / values[k].abs().max(values[k - 1].abs()).max(zero);
     let widest = (wanted..last).max_by(|&a, &b| gap(a).total_cmp(&gap(b)));
-    // Of a body with fewer unknowns than modes there may be nothing behind the last.
-    let cut = widest.filter(|&k| last < stiffness.n() || gap(k) > DISTINCT).unwrap_or(last);
+    let all = all || last == stiffness.n();
+    // Of a body with fewer modes than asked for there may be nothing behind the last.
+    let cut = widest.filter(|&k| !all || gap(k) > DISTINCT).unwrap_or(last);
     let sigma = if cut < last { 0.5 * (values[cut - 1] + values[cut]) } else { 2.0 * values[last - 1].abs() };
     let counted = Indefinite::new(&stiffness.plus_scaled(-sigma, mass), ordering)?.negative_eigenvalues();
     // Massless combinations have no finite frequency: a body with few unknowns may have fewer modes.

@@ -58,7 +58,7 @@ impl Dimension {
     pub fn computable(self) -> [f64; 2] {
         match self {
             Self::Length => [1e-12, 1e5],
-            Self::Stiffness | Self::RotationalStiffness => [1e-6, 1e16],
+            Self::Stiffness | Self::RotationalStiffness => [1e-9, 1e22],
             Self::Compliance => [0.0, 1e16],
             Self::Damping | Self::RotationalDamping => [0.0, 1e12],
             Self::Pressure => [1.0, 1e16],

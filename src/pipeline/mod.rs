@@ -190,7 +190,8 @@ pub fn check_basis(
     reported: usize,
 ) -> Result<(f64, Option<f64>), PipelineError> {
     let [from, to] = machine.axis.travel;
-    let middle = 0.5 * (from + to) + 0.37 * machine.axis.step * (to - from).signum();
+    let beside = 0.5 * (from + to) + 0.37 * machine.axis.step * (to - from).signum();
+    let middle = beside.clamp(from.min(to), from.max(to));
     let one = |position: &f64| -> Result<(f64, Option<f64>), PipelineError> {
         let modes = modes_at(model, &machine.analysis.damping, *position)?;
         let n = modes.eigenvalues.len();

@@ -97,10 +97,14 @@ impl ReductionErrors {
         self.estimates.iter().filter_map(of).max_by(|a, b| a.error.total_cmp(&b.error))
     }
 
-    /// One list a position, by rank, free motions (which have none) included.
+    /// One list a position, by rank; free motions are exact.
     pub fn by_rank(&self, families: &ModeFamilies, modes: &[Modes]) -> Vec<Vec<Option<f64>>> {
         let of = |(tracked, modes): (&Vec<crate::modal::TrackedMode>, &Modes)| {
-            tracked.iter().map(|t| self.at(modes.position, (t.rank - 1).checked_sub(modes.free)?)).collect()
+            let error = |rank: usize| match rank.checked_sub(modes.free) {
+                Some(rank) => self.at(modes.position, rank),
+                None => Some(0.0),
+            };
+            tracked.iter().map(|t| error(t.rank - 1)).collect()
         };
         families.modes.iter().zip(modes).map(of).collect()
     }
@@ -110,7 +114,7 @@ impl ReductionErrors {
         let errors = self.by_rank(families, modes);
         for row in table {
             let own = families.modes.iter().zip(&errors).flat_map(|(tracked, errors)| tracked.iter().zip(errors));
-            let own = own.filter(|(t, _)| t.family == row.family).filter_map(|(_, error)| *error);
+            let own = own.filter(|(t, _)| t.family == row.family && t.frequency > 0.0).filter_map(|(_, error)| *error);
             row.reduction_error = own.reduce(f64::max);
         }
     }

@@ -8,9 +8,6 @@ use crate::machine::{Dimension, Machine, MachineError};
 
 type Result<T> = std::result::Result<T, StudyError>;
 
-/// Diameter of a ball screw (m) above which a value must be a slip of its unit; the thickest made have 0.2 m or so.
-const THICKEST_SCREW: f64 = 0.5;
-
 /// Reads `[variables]`.
 pub(super) fn read_variables(root: &Table<'_>, machine: &Machine) -> Result<Vec<Variable>> {
     let item = root.need("variables", "a [variables.NAME] section with path and range")?;
@@ -212,17 +209,12 @@ impl Reading<'_> {
             let seen = format!("{}, which makes {own:e} {}", item.seen(), dimension.units()[0]);
             return Err(item.refuse_seen(seen, allowed, "correct the value or its unit").into());
         }
-        let ratio = "write 0.02 or \"2 %\" for two per cent";
-        let (allowed, advice) = match entry.targets[0] {
-            Target::Ratio if own >= 1.0 => ("a damping ratio from 0 to less than 1".to_owned(), ratio),
-            Target::JointLoss(_) | Target::LossFactor if own > 2.0 => ("a loss factor from 0 to 2".to_owned(), ratio),
-            Target::Diameter(_) if own > THICKEST_SCREW => {
-                let allowed = format!("a screw's diameter of at most {THICKEST_SCREW} m, where this is {own} m");
-                (allowed, "write the unit in quotes, \"20 mm\"; a number without one is in m")
-            }
+        let allowed = match entry.targets[0] {
+            Target::Ratio if own >= 1.0 => "a damping ratio from 0 to less than 1",
+            Target::JointLoss(_) | Target::LossFactor if own > 2.0 => "a loss factor from 0 to 2",
             _ => return Ok(value),
         };
-        Err(item.refuse(allowed, advice).into())
+        Err(item.refuse(allowed, "write 0.02 or \"2 %\" for two per cent").into())
     }
 
     /// The `span` of a second support that the machine does not have.

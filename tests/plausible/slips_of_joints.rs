@@ -58,7 +58,7 @@ pub const JOINTS: &[Slip] = &[
     (
         "a stiffness of 1e30",
         &[("y = \"150 N/um\", z = \"250 N/um\", rx", "y = 1e30, z = \"250 N/um\", rx")],
-        &["joints[1] \"guide A\".stiffness.y: found 1e30", "to 1e16 N/m"],
+        &["joints[1] \"guide A\".stiffness.y: found 1e30", "to 1e22 N/m"],
     ),
     (
         "kN m/rad as N m/rad",

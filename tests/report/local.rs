@@ -55,8 +55,7 @@ fn worst(model: &CoupledModel, factor: impl Fn(usize) -> f64, reported: impl Fn(
         let few = Machine { stiffness, outputs: few.outputs, inputs: few.inputs, direct: few.direct };
         let whole = model.coupled(&at, &times(&reported)).unwrap();
         let stiffness = model.stiffness_matrix(&whole);
-        let whole =
-            Machine { stiffness, outputs: whole.outputs, inputs: whole.inputs, direct: whole.direct };
+        let whole = Machine { stiffness, outputs: whole.outputs, inputs: whole.inputs, direct: whole.direct };
         for (h, exact) in few.receptances().iter().zip(whole.receptances()) {
             worst = worst.max((h - &exact).norm() / exact.norm());
         }
