@@ -1,18 +1,17 @@
 //! Stiffness and mass of one element.
 
-use super::incompatible::{self, Centre, MODES};
+use super::incompatible::{self, Centre};
 use super::quadrature::{
     SolidPoint, brick, tet_degree_1, tet_degree_2, tet_degree_5, tri_degree_1, tri_degree_2, wedge,
 };
-use super::shape::{MAX_NODES, Shape, physical, shape};
+use super::shape::{Shape, physical, shape};
 use crate::mesh::CellKind;
-use nalgebra::SMatrix;
 use std::sync::OnceLock;
 
 /// Stiffness (N/m) and mass (kg; the same for x, y, z) of one element.
 ///
-/// Rows go over its displacement functions: one a node, and behind them the three incompatible modes of C3D8I.
-/// Each has three components, x, y and z.
+/// Rows go over its displacement functions: one a node, and behind them one of the element's own where it has any, the
+/// mean incompatible mode of C3D8I. Each has three components, x, y and z.
 #[derive(Clone, Debug)]
 pub struct ElementMatrices {
     nodes: usize,
@@ -27,7 +26,7 @@ impl ElementMatrices {
         self.nodes
     }
 
-    /// Displacement functions: the nodes, and the incompatible modes of C3D8I behind them.
+    /// Displacement functions: the nodes, and the mean incompatible mode of C3D8I behind them.
     pub fn functions(&self) -> usize {
         self.functions
     }
@@ -41,20 +40,14 @@ impl ElementMatrices {
     pub fn mass(&self, a: usize, b: usize) -> f64 {
         self.mass[a * self.functions + b]
     }
-
-    /// Whether the incompatible modes' own stiffness is positive definite, so that none of them moves for nothing.
-    fn modes_are_held(&self) -> bool {
-        let entry = |i: usize, j: usize| self.stiffness(self.nodes + i / 3, self.nodes + j / 3)[i % 3][j % 3];
-        SMatrix::<f64, { 3 * MODES }, { 3 * MODES }>::from_fn(entry).cholesky().is_some()
-    }
 }
 
-/// The points of a rule with the shape functions there; behind the nodes' the values of the incompatible modes.
+/// The points of a rule with the shape functions there; behind the nodes' the value of the element's own function.
 type Tabulated = Vec<(SolidPoint, Shape)>;
 
 /// Functions beside those of the nodes.
-pub(super) fn incompatible_modes(kind: CellKind) -> usize {
-    if kind == CellKind::Hex8Incompatible { MODES } else { 0 }
+pub(super) fn own_functions(kind: CellKind) -> usize {
+    usize::from(kind == CellKind::Hex8Incompatible)
 }
 
 /// Points for stiffness and for mass. All but the masses of C3D4, C3D6 and C3D10 are those of CalculiX,
@@ -75,9 +68,10 @@ fn tables(kind: CellKind) -> &'static (Tabulated, Tabulated) {
     static TABLES: [OnceLock<(Tabulated, Tabulated)>; CellKind::ALL.len()] = [const { OnceLock::new() }; 8];
     TABLES[kind as usize].get_or_init(|| {
         let at_point = |point: SolidPoint| {
-            let (mut shape, n) = (shape(kind, point.at), kind.node_count());
-            let modes = incompatible::values(point.at);
-            (0..incompatible_modes(kind)).for_each(|m| shape.values[n + m] = modes[m]);
+            let mut shape = shape(kind, point.at);
+            if own_functions(kind) > 0 {
+                shape.values[kind.node_count()] = incompatible::mean_value(point.at);
+            }
             (point, shape)
         };
         let tabulate = |rule: Vec<SolidPoint>| rule.into_iter().map(at_point).collect();
@@ -86,7 +80,7 @@ fn tables(kind: CellKind) -> &'static (Tabulated, Tabulated) {
     })
 }
 
-/// Stiffness and consistent mass of an isotropic element, the incompatible modes of C3D8I as rows of their own.
+/// Stiffness and consistent mass of an isotropic element, the mean incompatible mode of C3D8I as a row of its own.
 ///
 /// # Errors
 /// The smallest Jacobian determinant (m^3), if it is not positive at a quadrature point: the element
@@ -103,45 +97,49 @@ pub fn matrices(
 ) -> Result<ElementMatrices, f64> {
     let nodal = kind.node_count();
     assert_eq!(nodes.len(), nodal, "nodes of a {}", kind.name());
-    let n = nodal + incompatible_modes(kind);
+    let n = nodal + own_functions(kind);
     let lame = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
     let shear = young / (2.0 * (1.0 + poisson));
     let (stiffness_rule, mass_rule) = tables(kind);
-    let mut out =
-        ElementMatrices { nodes: nodal, functions: n, stiffness: vec![[[0.0; 3]; 3]; n * n], mass: vec![0.0; n * n] };
     let centre = (n > nodal).then(|| Centre::of(nodes));
+    let stiff = if n > nodal { incompatible::FUNCTIONS } else { n };
+    let mut stiffness = vec![[[0.0; 3]; 3]; stiff * stiff];
+    let mut mass = vec![0.0; n * n];
     let mut smallest = centre.as_ref().map_or(f64::INFINITY, Centre::det);
     for (point, shape) in stiffness_rule {
         let (mut g, det) = physical(nodes, shape);
         smallest = smallest.min(det);
         if let Some(centre) = &centre {
-            g[nodal..n].copy_from_slice(&centre.gradients(point.at, det));
+            g[nodal..stiff].copy_from_slice(&centre.gradients(point.at, det));
         }
-        add_stiffness(&mut out, &g, point.weight * det, lame, shear);
+        add_stiffness(&mut stiffness, &g[..stiff], point.weight * det, lame, shear);
     }
     for (point, shape) in mass_rule {
         let (_, det) = physical(nodes, shape);
         smallest = smallest.min(det);
         let w = point.weight * det * density;
-        for (a, row) in out.mass.chunks_exact_mut(n).enumerate() {
+        for (a, row) in mass.chunks_exact_mut(n).enumerate() {
             for (m, value) in row.iter_mut().zip(&shape.values) {
                 *m += w * shape.values[a] * value;
             }
         }
     }
-    if smallest.is_nan() || smallest <= 0.0 || (centre.is_some() && !out.modes_are_held()) {
+    if smallest.is_nan() || smallest <= 0.0 {
         return Err(smallest);
     }
-    Ok(out)
+    if centre.is_some() {
+        stiffness = incompatible::without_massless(&stiffness).ok_or(smallest)?;
+    }
+    Ok(ElementMatrices { nodes: nodal, functions: n, stiffness, mass })
 }
 
 /// Adds one point of the stiffness integral.
-fn add_stiffness(out: &mut ElementMatrices, g: &[[f64; 3]; MAX_NODES], w: f64, lame: f64, shear: f64) {
-    let n = out.functions;
+fn add_stiffness(stiffness: &mut [[[f64; 3]; 3]], g: &[[f64; 3]], w: f64, lame: f64, shear: f64) {
+    let n = g.len();
     for a in 0..n {
         for b in 0..n {
             let dot = g[a][0] * g[b][0] + g[a][1] * g[b][1] + g[a][2] * g[b][2];
-            let block = &mut out.stiffness[a * n + b];
+            let block = &mut stiffness[a * n + b];
             for i in 0..3 {
                 for j in 0..3 {
                     block[i][j] += w * (lame * g[a][i] * g[b][j] + shear * g[a][j] * g[b][i]);

@@ -25,9 +25,9 @@ pub use shape::{MAX_NODES, Shape, gradients, reference_nodes, shape};
 use crate::mesh::CellKind;
 
 /// Displacement functions of an element beside those of its nodes, each with three unknowns of the element's own:
-/// the incompatible modes of C3D8I.
-pub fn incompatible_modes(kind: CellKind) -> usize {
-    matrices::incompatible_modes(kind)
+/// one for C3D8I, the mean of its incompatible modes.
+pub fn own_functions(kind: CellKind) -> usize {
+    matrices::own_functions(kind)
 }
 
 /// The faces of an element as local node indices, outward (corners first, then midsides in order), in

@@ -3,7 +3,7 @@
 use super::held::held;
 use super::numbering::{NodeMap, Numbering, interface_motions, number, rigid_motions};
 use super::{InterfaceMotion, NodeRows, SolidError, Surface};
-use crate::element::{ElementMatrices, incompatible_modes, matrices};
+use crate::element::{ElementMatrices, matrices, own_functions};
 use crate::linalg::{LinalgError, Ordering, SparseBuilder, SparseSymmetric};
 use crate::machine::Part;
 use crate::mesh::{Cell, Mesh};
@@ -122,7 +122,7 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
     let held = held(part, mesh)?;
     let (surfaces, interfaces): (Vec<_>, Vec<_>) = interface_motions(part, mesh)?.into_iter().unzip();
     let mut numbering = number(part, mesh, &held, &interfaces)?;
-    let own = number_incompatible_modes(mesh, &mut numbering);
+    let own = number_own_functions(mesh, &mut numbering);
 
     let elements: Vec<ElementMatrices> = mesh
         .cells
@@ -177,16 +177,16 @@ pub fn assemble(part: &Part, mesh: &Mesh) -> Result<SecondOrder, SolidError> {
     })
 }
 
-/// Gives the incompatible modes of each C3D8I three unknowns each, behind all unknowns of nodes, and returns the
-/// first of each cell.
+/// Gives the functions of elements' own (the mean incompatible mode of each C3D8I) three unknowns each, behind all
+/// unknowns of nodes, and returns the first of each cell.
 ///
 /// No other element shares them, so one group an element is enough for the fill-reducing order, which eliminates
 /// them first.
-fn number_incompatible_modes(mesh: &Mesh, numbering: &mut Numbering) -> Vec<usize> {
+fn number_own_functions(mesh: &Mesh, numbering: &mut Numbering) -> Vec<usize> {
     let mut first = Vec::with_capacity(mesh.cells.len());
     for cell in &mesh.cells {
         first.push(numbering.n_dof);
-        let end = numbering.n_dof + 3 * incompatible_modes(cell.kind);
+        let end = numbering.n_dof + 3 * own_functions(cell.kind);
         if end > numbering.n_dof {
             numbering.groups.push((numbering.n_dof..end).collect());
         }
@@ -195,14 +195,14 @@ fn number_incompatible_modes(mesh: &Mesh, numbering: &mut Numbering) -> Vec<usiz
     first
 }
 
-/// The unknowns of each displacement function of an element: its nodes, then its incompatible modes, whose unknowns
-/// begin at `first`.
+/// The unknowns of each displacement function of an element: its nodes, then its own functions, whose unknowns begin
+/// at `first`.
 fn function_maps<'a>(cell: &'a Cell, first: usize, nodes: &'a [NodeMap]) -> impl Iterator<Item = NodeMap> + 'a {
-    let modes = (0..incompatible_modes(cell.kind)).map(move |m| NodeMap::Free(first + 3 * m));
-    cell.nodes.iter().map(|&node| nodes[node].clone()).chain(modes)
+    let own = (0..own_functions(cell.kind)).map(move |k| NodeMap::Free(first + 3 * k));
+    cell.nodes.iter().map(|&node| nodes[node].clone()).chain(own)
 }
 
-/// Columns of each row of the assembled matrices, ascending. `own` holds the first unknown of each cell's modes.
+/// Columns of each row of the assembled matrices, ascending. `own` holds the first unknown of each cell's own functions.
 fn pattern(mesh: &Mesh, numbering: &Numbering, own: &[usize]) -> Vec<Vec<usize>> {
     let mut cells_of_node = vec![Vec::new(); mesh.nodes.len()];
     for (c, cell) in mesh.cells.iter().enumerate() {
@@ -231,9 +231,8 @@ fn pattern(mesh: &Mesh, numbering: &Numbering, own: &[usize]) -> Vec<Vec<usize>>
         }
     }
     for (c, cell) in mesh.cells.iter().enumerate() {
-        for unknown in own[c]..own[c] + 3 * incompatible_modes(cell.kind) {
-            pattern[unknown] = columns_of(&[c]);
-        }
+        let unknowns = own[c]..own[c] + 3 * own_functions(cell.kind);
+        pattern[unknowns].fill(columns_of(&[c]));
     }
     pattern
 }

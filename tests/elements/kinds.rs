@@ -4,7 +4,7 @@ use crate::support::dense::{rigid_field, symmetric_values};
 use crate::support::grids::one;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use proptest::prelude::*;
-use stiffmap::element::{face, faces, gradients, matrices, reference_nodes, shape};
+use stiffmap::element::{det_variation, face, faces, gradients, matrices, reference_nodes, shape};
 use stiffmap::mesh::CellKind;
 
 /// A point inside the reference domain from three numbers between 0 and 1.
@@ -203,4 +203,20 @@ fn volume_inside(kind: CellKind, x: &[[f64; 3]]) -> f64 {
         }
     }
     volume
+}
+
+#[test]
+fn how_far_a_brick_is_from_a_parallelepiped_is_that_of_the_closed_form() {
+    let corners = reference_nodes(CellKind::Hex8);
+    let skewed: Vec<[f64; 3]> =
+        corners.iter().map(|[r, s, t]| [2.0 * r + 0.3 * s, s - 0.4 * t, 0.2 * r + 3.0 * t]).collect();
+    assert!(det_variation(&skewed) < 1e-14, "a parallelepiped: {}", det_variation(&skewed));
+    // x = r (1 - c t), y = s (1 - c t), z = t: det J = (1 - c t)^2, largest at t = -1 / sqrt 3.
+    for c in [0.05, 0.3] {
+        let frustum: Vec<[f64; 3]> =
+            corners.iter().map(|[r, s, t]| [r * (1.0 - c * t), s * (1.0 - c * t), *t]).collect();
+        let exact = (1.0 + c / 3f64.sqrt()).powi(2) - 1.0;
+        assert!((det_variation(&frustum) / exact - 1.0).abs() < 1e-12, "{c}: {}", det_variation(&frustum));
+        assert!((det_variation(&frustum) - 2.0 * c).abs() > 1e-3, "control: not that of the corners");
+    }
 }

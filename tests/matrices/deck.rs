@@ -169,6 +169,8 @@ fn against_calculix(folder: &Path, expected: &[Vec<f64>]) {
         let (position, modes) = (position.to_string(), (MODES + 1).to_string());
         let out = deck.to_str().unwrap();
         succeed(folder, &["export", ".", "--format", "inp", "--position", &position, "--modes", &modes, "--out", out]);
+        let text = std::fs::read_to_string(&deck).unwrap();
+        assert!(text.contains("integrates the mass of C3D10 with 4 points"), "{}", &text[..600]);
         if calculix(&deck).is_none() {
             return;
         }

@@ -62,5 +62,8 @@ fn unreduced(machine: &Machine, meshes: &[MeshFile], shift: f64) -> Vec<f64> {
         machine.parts.iter().zip(meshes).map(|(p, m)| assemble(p, &m.mesh).expect("assembles")).collect();
     let springs = pipeline::unreduced_springs(machine, meshes, machine.axis.travel[0]).expect("springs");
     let whole = assembled(&systems, &springs);
-    dense::eigenvalues(&dense::full(&whole.stiffness), &dense::full(&whole.mass), shift)
+    let mut values = dense::eigenvalues(&dense::full(&whole.stiffness), &dense::full(&whole.mass), shift);
+    // Motions without inertia come out as infinite, of either sign.
+    values.retain(|l| *l > -0.5 * shift);
+    values
 }

@@ -157,6 +157,6 @@ fn a_static_stiffness_beside_loss_factors_is_told_to_be_without_damping() {
     // k (1 + 0.2 j) is stiffer than k by sqrt(1.04).
     let told = with("loss_factor = 0.2");
     assert!(told.len() == 1 && told[0].contains("without damping") && told[0].contains("1.98 %"), "{told:?}");
-    assert_eq!(with("ratio = 0.02"), [String::new(); 0], "viscous damping rests at 0 Hz");
-    assert_eq!(read(STUDY).unwrap().remarks(), [String::new(); 0], "control: no such metric");
+    assert!(with("ratio = 0.02").is_empty(), "viscous damping rests at 0 Hz");
+    assert!(read(STUDY).unwrap().remarks().is_empty(), "control: no such metric");
 }
