@@ -55,10 +55,6 @@ fn ranges_that_are_none_are_refused() {
 
 #[test]
 fn numbers_out_of_reach_are_refused_before_anything_is_computed() {
-    refused_change("[\"10 mm\", \"25 mm\"]", "[10, 25]", &["range[1]: found 10", "at most 0.5 m", "\"20 mm\""]);
-    let factor = "range = [0.5, 40]\nfactor = true";
-    refused_change("range = [\"10 mm\", \"25 mm\"]", factor, &["range[2]: found 40", "where this is 0.64 m"]);
-    assert!(read(&changed("[\"10 mm\", \"25 mm\"]", "[0.01, 0.2]")).is_ok(), "control: 200 mm is made");
     refused_change("designs = 24", "designs = 100000000000", &["designs: found 100000000000", "at most 1000000000"]);
     refused_change("designs = 24", "designs = 0", &["designs: found 0", "at least 1"]);
     let families = |list: &str| {
