@@ -1,6 +1,7 @@
-//! How far the reduction of the parts puts frequencies and map off, over the positions of a run.
+//! How far the reduction of the parts, and the fixed basis after it, put frequencies and map off, over the positions
+//! of a run.
 
-use super::PipelineError;
+use super::{GUARD, PipelineError};
 use crate::coupling::CoupledModel;
 use crate::frf::{FrfError, FrfRequest, ModalSystem, Quantity, modal_sum};
 use crate::machine::Machine;
@@ -73,7 +74,16 @@ pub fn reduction_errors(
             &again
         };
         let wanted = reported.max(modes.count_up_to(highest).saturating_sub(modes.free));
-        Ok(reduction_estimate(model, superelements, modes, wanted)?)
+        let mut estimate = reduction_estimate(model, superelements, modes, wanted)?;
+        // What the fixed basis adds is known: the superelements themselves say it.
+        let block = (modes.free + wanted + GUARD).min(modes.eigenvalues.len());
+        let start = model.over_parts(&modes.shapes.columns(0, block).into_owned());
+        let exact = model.side_by_side.eigenvalues_near(modes.position, &start, model.shift())?;
+        for (r, error) in estimate.frequencies.iter_mut().enumerate() {
+            let r = modes.free + r;
+            *error += ((modes.eigenvalues[r] / exact[r]).sqrt() - 1.0).max(0.0);
+        }
+        Ok(estimate)
     };
     Ok(ReductionErrors { estimates: looked_at.par_iter().map(one).collect::<Result<_, _>>()? })
 }
