@@ -10,7 +10,7 @@
 //! ```
 //!
 //! is the part with more of its own motions in it. How far its coupled frequencies lie below those without Z
-//! is the estimate; `modal::reduction_error` forms it.
+//! is the estimate; `modal/estimate.rs` forms it.
 //!
 //! # Source
 //! The residual of a Ritz vector in the norm of the inverse: B. N. Parlett, The Symmetric Eigenvalue Problem

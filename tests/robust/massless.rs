@@ -27,8 +27,8 @@ fn a_whole_given_part_agrees_with_its_condensed_matrices() {
     // The unreduced machine with a trace of inertia where there is none, by nalgebra.
     let exact = crate::unreduced(&machine, &meshes, 100.0);
     let modes = &found.modes[0];
-    for r in 0..8 {
-        let f = exact[r].max(0.0).sqrt() / std::f64::consts::TAU;
+    for (r, value) in exact.iter().enumerate().take(8) {
+        let f = value.max(0.0).sqrt() / std::f64::consts::TAU;
         assert!((modes.frequency(r) / f - 1.0).abs() < 1e-6, "mode {}: {} {f}", r + 1, modes.frequency(r));
     }
 }
