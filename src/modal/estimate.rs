@@ -17,7 +17,9 @@
 
 use super::{ModalError, Modes};
 use crate::coupling::CoupledModel;
-use crate::linalg::{LinalgError, multiply, symmetric_eigen, symmetric_eigen_fast};
+use crate::linalg::{
+    LinalgError, independent_directions, multiply, multiply_transposed, symmetric_eigen, symmetric_eigen_fast,
+};
 use crate::reduction::Superelement;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -65,10 +67,12 @@ const NEAR: f64 = 2.0;
 /// Modes up to this multiple of the highest frequency wanted take part.
 const MODES: f64 = 1.5;
 /// The motions beyond are some of those that lack, and not converged: what they show is multiplied by this. On the
-/// bundled mill the estimate then lies between 1 and 3 times the true error.
+/// bundled mill the estimate is then 1.3 to 2.3 times the true error of the superelements.
 pub const SAFETY: f64 = 2.0;
 /// The dense eigenproblem up to this order is solved with full accuracy for its lowest modes.
 const SMALL: usize = 200;
+/// Directions below this share of the strongest are left out where motions and modes depend on each other.
+const DEPENDENT: f64 = 1e-10;
 
 /// The estimate for the `wanted` lowest elastic modes at a position.
 ///
@@ -139,11 +143,19 @@ fn lowered(lambda: &[f64], near: &[&MissingMotion]) -> Result<Vec<f64>, LinalgEr
             (mass[(m + z, r)], mass[(r, m + z)]) = (motion.mass[r], motion.mass[r]);
         }
     }
-    let failed = || LinalgError::Eigen { n };
-    let root = mass.cholesky().ok_or_else(failed)?.l();
-    let half = root.solve_lower_triangular(&stiffness).ok_or_else(failed)?.transpose();
-    let reduced = root.solve_lower_triangular(&half).ok_or_else(failed)?;
+    let reduced = match mass.clone().cholesky() {
+        Some(root) => {
+            let failed = || LinalgError::Eigen { n };
+            let half = root.l().solve_lower_triangular(&stiffness).ok_or_else(failed)?.transpose();
+            root.l().solve_lower_triangular(&half).ok_or_else(failed)?
+        }
+        // A motion that the modes span already brings nothing of its own.
+        None => {
+            let own = independent_directions(&mass, DEPENDENT)?;
+            multiply_transposed(&own, &multiply(&stiffness, &own))
+        }
+    };
     let reduced = 0.5 * (&reduced + reduced.transpose());
-    let eigen = if n <= SMALL { symmetric_eigen(&reduced)? } else { symmetric_eigen_fast(&reduced)? };
+    let eigen = if reduced.nrows() <= SMALL { symmetric_eigen(&reduced)? } else { symmetric_eigen_fast(&reduced)? };
     Ok(eigen.values.iter().take(m).copied().collect())
 }

@@ -54,15 +54,6 @@ pub fn reduction_errors(
     reported: usize,
     highest: f64,
 ) -> Result<ReductionErrors, PipelineError> {
-    if superelements.iter().all(|s| s.beyond.n() == 0) {
-        // Every part is whole: nothing was left out.
-        let exact = |m: &Modes| ReductionEstimate {
-            position: m.position,
-            frequencies: vec![0.0; m.eigenvalues.len() - m.free],
-            motions: Vec::new(),
-        };
-        return Ok(ReductionErrors { estimates: modes.first().map(exact).into_iter().collect() });
-    }
     let mut looked_at = vec![0, modes.len() / 2, modes.len().saturating_sub(1)];
     looked_at.dedup();
     let one = |&k: &usize| -> Result<ReductionEstimate, PipelineError> {
