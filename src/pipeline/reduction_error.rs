@@ -166,7 +166,7 @@ impl ReductionErrors {
 }
 
 /// What the motions that the reduction lacks change of the receptance at a frequency (Hz), m/N: with the modes'
-/// weights w_r = 1 / (lambda_r - omega^2 + ..) and g_zr = z^T (K - omega^2 M) V x_r,
+/// weights w_r = 1 / (lambda_r - omega^2 + ..) and the residual of each mode, g_zr = z^T (K - lambda_r M) V x_r,
 ///
 /// ```text
 /// dH = sum_z (sum_r L_r w_r g_zr) (sum_q g_zq w_q R_q) / (Lambda_z - omega^2 + ..)
@@ -180,14 +180,14 @@ fn change(system: &ModalSystem, motions: &[MissingMotion], frequency: f64) -> DM
         Complex::new(lambda - omega * omega, lambda * system.loss_factors[r] + viscous).inv()
     };
     let modes = (system.frequencies.len() - free).min(motions.first().map_or(0, |z| z.mass.len()));
-    let weights: Vec<Complex<f64>> =
-        (0..modes).map(|r| weight((TAU * system.frequencies[free + r]).powi(2), free + r)).collect();
+    let squares: Vec<f64> = (0..modes).map(|r| (TAU * system.frequencies[free + r]).powi(2)).collect();
+    let weights: Vec<Complex<f64>> = (0..modes).map(|r| weight(squares[r], free + r)).collect();
     let (outputs, inputs) = (system.outputs.nrows(), system.inputs.nrows());
     let mut out = DMatrix::zeros(outputs, inputs);
     for z in motions {
         let own = weight(z.eigenvalue, last);
         let felt: Vec<Complex<f64>> =
-            (0..modes).map(|r| weights[r] * (z.stiffness[r] - omega * omega * z.mass[r])).collect();
+            (0..modes).map(|r| weights[r] * (z.stiffness[r] - squares[r] * z.mass[r])).collect();
         let through = |rows: &DMatrix<f64>, k: usize| {
             felt.iter().enumerate().map(|(r, g)| g * rows[(k, free + r)]).sum::<Complex<f64>>()
         };

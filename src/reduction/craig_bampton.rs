@@ -5,7 +5,7 @@ use super::component_modes::{ComponentModes, Vectors};
 use super::constraint::Constrained;
 use super::{ReductionError, flexibility::Flexibility};
 use crate::linalg::{
-    Indefinite, LanczosOptions, LinalgError, Ordering, count_negative, lowest_modes, multiply_transposed,
+    Indefinite, LanczosOptions, LinalgError, Ordering, count_negative, lowest_modes, multiply, multiply_transposed,
 };
 use crate::solid::SecondOrder;
 use nalgebra::DMatrix;
@@ -51,6 +51,10 @@ pub(super) fn vectors(
     request.check_count(&spectrum, count_below).map_err(failed)?;
     let (frequencies, modes) = request.keep(&spectrum);
     let constraint_modes = constrained.constraint_modes();
+    // The last vectors of an iteration that has used up its space are rounding, and no longer hold the interfaces.
+    let above = ComponentModes::above(&spectrum, frequencies.len());
+    let moved = multiply_transposed(&constrained.motions, &above);
+    let beyond = above - multiply(&constraint_modes, &moved);
     let mut blocks = vec![modes];
     if request.second_moment {
         let inertia = system.mass.multiply(&constraint_modes);
@@ -59,6 +63,5 @@ pub(super) fn vectors(
     } else {
         blocks.push(constraint_modes);
     }
-    let beyond = ComponentModes::above(&spectrum, frequencies.len());
     Ok(Vectors { frequencies, blocks, beyond })
 }
