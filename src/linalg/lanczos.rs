@@ -44,6 +44,9 @@ pub struct Spectrum {
     pub beyond: DMatrix<f64>,
 }
 
+/// Eigenvalues further than this above the lowest are those of motions without inertia.
+const FINITE: f64 = 1e12;
+
 /// The lowest modes, as many as asked for or as there are.
 ///
 /// `inverse` maps an n x b block of loads M X to K^-1 M X.
@@ -73,6 +76,9 @@ pub fn lowest_modes(
             continue;
         }
         let ritz = symmetric_eigen(&krylov.projected)?;
+        // Where the space is used up, the last vectors are motions without inertia, at rounding's distance from zero.
+        let inertia = ritz.values.max() / FINITE;
+        let wanted = wanted.min(ritz.values.iter().filter(|theta| **theta > inertia).count());
         let best: Vec<usize> = (0..dimension).rev().take(wanted).collect();
         let vectors = DMatrix::from_fn(dimension, wanted, |i, k| ritz.vectors[(i, best[k])]);
         let theta: Vec<f64> = best.iter().map(|&k| ritz.values[k]).collect();

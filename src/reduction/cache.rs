@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 16] = b"stiffmap-reduced";
 /// Raised whenever the layout or the numbers of a superelement change.
-const VERSION: u64 = 11;
+const VERSION: u64 = 12;
 const HEADER: usize = 16 + 8 + 8 + 32;
 
 /// Why the cache could not serve.
