@@ -234,6 +234,7 @@ fn the_answer_to_a_push_is_the_modal_systems() {
         outputs: DMatrix::from_row_slice(1, 2, &[0.2, -0.1]),
         inputs: DMatrix::from_row_slice(2, 2, &[0.2, 0.1, 0.1, 0.3]),
         residual: vec![DMatrix::from_element(1, 2, Complex::new(3e-8, 0.0))],
+        exact: None,
     };
     let (outputs, inputs) = (vec!["x".to_owned()], vec!["x".to_owned(), "y".to_owned()]);
     let frequencies: Vec<f64> = (1..500).map(f64::from).collect();

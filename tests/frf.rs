@@ -231,6 +231,7 @@ fn the_oracle_is_the_closed_form_of_one_spring_and_mass() {
         outputs: DMatrix::from_element(1, 1, 0.5),
         inputs: DMatrix::from_element(1, 1, 0.5),
         residual: Vec::new(),
+        exact: None,
     };
     let expected = 1.0 / (9e6 * 0.75);
     let oracle = plain_sum(&system, natural / 2.0, Quantity::Receptance)[(0, 0)];
@@ -253,6 +254,7 @@ fn two_masses(m: [f64; 2], k: f64, zeta: f64) -> ModalSystem {
         outputs: shapes.clone(),
         inputs: shapes,
         residual: Vec::new(),
+        exact: None,
     }
 }
 

@@ -154,7 +154,8 @@ fn the_energies_of_parts_and_joints_add_up_to_the_last_digit() {
 #[test]
 fn ratios_rayleigh_and_loss_factors_add_up() {
     let model = model(|_| {});
-    let damping = Damping { ratios: vec![0.01, 0.02], rayleigh: Some([3.0, 1e-6]), loss_factor: 0.004 };
+    let damping =
+        Damping { ratios: vec![0.01, 0.02], rayleigh: Some([3.0, 1e-6]), loss_factor: 0.004, projected: false };
     let modes = modes_at(&model, &damping, 0.0).expect("modes");
     for r in 0..10 {
         let omega = TAU * modes.frequency(r);

@@ -93,6 +93,7 @@ mod tests {
             outputs: shapes.clone(),
             inputs: shapes.clone(),
             residual: Vec::new(),
+            exact: None,
         };
         let systems: Vec<ModalSystem> = (0..n).map(system).collect();
         let axes = Axes {

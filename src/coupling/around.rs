@@ -64,8 +64,8 @@ pub struct Around {
     pub inputs: DMatrix<f64>,
     /// Residual flexibility in the base between springs, then outputs, then inputs, m/N.
     pub residual: DMatrix<f64>,
-    /// For each part with a loss factor of its own, twice its strain energy as a form in the
-    /// coordinates and then the varied springs' tension beyond the base's, m + n_varied square.
+    /// For each part with a loss factor of its own, twice its strain energy as a form in the coordinates and then
+    /// loads on springs, outputs and inputs, square.
     pub strain_energy: Vec<Option<DMatrix<f64>>>,
     /// Shift of the eigenproblem, (rad/s)^2.
     shift: f64,
@@ -198,16 +198,18 @@ impl CoupledModel {
         let strain_energy = if self.parts.iter().all(|p| p.loss_factor.is_none()) {
             vec![None; self.parts.len()]
         } else {
-            // The fixed basis's coordinates and all springs' tension, from the coordinates and the tension beyond.
-            let motion = beside(&basis, &-multiply(&upper, &response.select_columns(varied)));
-            let mut tension = beside(&springs, &-residual.rows(0, s).into_owned().select_columns(varied));
-            for (mut row, k) in tension.row_iter_mut().zip(base) {
-                row *= *k;
+            // The fixed basis's coordinates and what acts on its residual flexibility, from the coordinates and from
+            // unit loads on all rows: a spring's tension is a load that pulls its sides together.
+            let motion = beside(&basis, &multiply(&upper, &response));
+            let mut loads = beside(&springs, &residual.rows(0, s).into_owned());
+            for (mut row, k) in loads.row_iter_mut().zip(base) {
+                row *= -*k;
             }
-            for (column, &spring) in varied.iter().enumerate() {
-                tension[(spring, kept.ncols() + column)] += 1.0;
+            let mut loads = loads.resize_vertically(residual.nrows(), 0.0);
+            for row in 0..residual.nrows() {
+                loads[(row, kept.ncols() + row)] += 1.0;
             }
-            self.strain_energies(at, &motion, &tension)
+            self.strain_energies(at, &motion, &loads)
         };
         let eigenvalues = eigen.values.iter().take(low).chain(above.kept.iter()).copied();
         Ok(Around {
@@ -229,21 +231,17 @@ impl CoupledModel {
         })
     }
 
-    /// Twice the strain energy of each part with a loss factor, for coordinates of the fixed basis and
-    /// spring tensions that are given over other coordinates.
+    /// Twice the strain energy of each part with a loss factor, for coordinates of the fixed basis and loads on its
+    /// residual flexibility that are given over other coordinates.
     fn strain_energies(
         &self,
         at: &AtPosition,
         motion: &DMatrix<f64>,
-        tension: &DMatrix<f64>,
+        loads: &DMatrix<f64>,
     ) -> Vec<Option<DMatrix<f64>>> {
         let one = |(part, residual): (&super::PartShare, &Option<super::ResidualEnergy>)| {
             let (Some(k), Some(c)) = (&part.stiffness, residual) else { return None };
-            let crossed = multiply_transposed(motion, &multiply(&c.with_basis, tension));
-            Some(
-                multiply_transposed(motion, &multiply(k, motion)) - &crossed - crossed.transpose()
-                    + multiply_transposed(tension, &multiply(&c.between_forces, tension)),
-            )
+            Some(c.strain_energy(k, motion, loads))
         };
         self.parts.iter().zip(&at.residual_of_part).map(one).collect()
     }
@@ -349,6 +347,26 @@ impl Around {
         let to_varied = to_springs.select_columns(&self.varied);
         let from_ports = self.residual.columns_range(s..).into_owned().select_rows(&self.varied);
         to_springs.columns_range(s..).into_owned() - multiply(&to_varied, &multiply(&design.series, &from_ports))
+    }
+
+    /// Loads on springs, outputs and inputs that a design's coordinates, then unit loads on these rows, put on the base:
+    /// n_rows x (m + n_rows).
+    pub fn loads_of(&self, design: &AroundCoupled) -> DMatrix<f64> {
+        let n = self.residual.nrows();
+        let varied = multiply(&design.series, &self.residual.select_rows(&self.varied));
+        let mut loads = beside(&DMatrix::zeros(n, self.n()), &DMatrix::identity(n, n));
+        let tension = beside(&design.tension, &varied);
+        for (row, &spring) in self.varied.iter().enumerate() {
+            let mut own = loads.row_mut(spring);
+            own -= tension.row(row);
+        }
+        loads
+    }
+
+    /// Compliance that no coordinate of a design carries between springs, outputs and inputs, m/N.
+    pub fn residual_of(&self, design: &AroundCoupled) -> DMatrix<f64> {
+        let varied = self.residual.select_columns(&self.varied);
+        &self.residual - multiply(&varied, &multiply(&design.series, &varied.transpose()))
     }
 
     /// Elongations of all springs for unit coordinates of a design, n_springs x m.

@@ -64,6 +64,19 @@ pub struct ResidualEnergy {
     pub between_forces: DMatrix<f64>,
 }
 
+impl ResidualEnergy {
+    /// Twice the part's strain energy as a form in columns of motions over the basis and of loads on the rows; `stiffness`
+    /// is the part's in the basis.
+    pub fn strain_energy(&self, stiffness: &DMatrix<f64>, motion: &DMatrix<f64>, loads: &DMatrix<f64>) -> DMatrix<f64> {
+        let crossed = multiply_transposed(motion, &multiply(&self.with_basis, loads));
+        let form = multiply_transposed(motion, &multiply(stiffness, motion))
+            + &crossed
+            + crossed.transpose()
+            + multiply_transposed(loads, &multiply(&self.between_forces, loads));
+        0.5 * (&form + form.transpose())
+    }
+}
+
 impl FixedBasis {
     /// Forms the basis of a machine.
     pub fn new(machine: &SideBySide, options: BasisOptions) -> Result<Self, CouplingError> {

@@ -72,7 +72,8 @@ pub struct AtPosition {
     pub residual: DMatrix<f64>,
     /// A factor T of it, T^T T.
     pub(super) residual_factor: DMatrix<f64>,
-    /// The parts' strain energy in the residual response to the springs, for parts with a loss factor.
+    /// The parts' strain energy in the residual response to loads on springs, outputs and inputs, for parts with a loss
+    /// factor.
     pub residual_of_part: Vec<Option<ResidualEnergy>>,
 }
 
@@ -283,12 +284,11 @@ impl CoupledModel {
         }
         let projected = self.basis.project(&rows);
         let residual_factor = self.basis.residual_factor(&rows);
-        let spring_rows = rows.rows(0, s).into_owned();
         let residual_of_part = self.parts.iter().enumerate().map(|(p, part)| {
             part.loss_factor?;
             let first = machine.first_column[p];
             let own = first..first + part.basis.nrows();
-            Some(self.basis.residual_energy(&spring_rows, |i| own.contains(&i)))
+            Some(self.basis.residual_energy(&rows, |i| own.contains(&i)))
         });
         Ok(AtPosition {
             position,
@@ -307,6 +307,21 @@ impl CoupledModel {
     /// [`CouplingError::Basis`] if a stiffness is not finite.
     pub fn residual_in_place(&self, at: &AtPosition, stiffness: &[f64]) -> Result<DMatrix<f64>, CouplingError> {
         Ok(Series::new(&at.residual_factor, stiffness)?.residual_in_place(&at.residual_factor))
+    }
+
+    /// What acts on the residual flexibility for unit loads on springs, outputs and inputs with all springs in place:
+    /// the load itself, less the tension that it makes in the springs; square over these rows.
+    ///
+    /// # Errors
+    /// [`CouplingError::Basis`] if a stiffness is not finite.
+    pub fn loads_in_place(&self, at: &AtPosition, stiffness: &[f64]) -> Result<DMatrix<f64>, CouplingError> {
+        let (n, s) = (at.residual.nrows(), at.springs.nrows());
+        let series = Series::new(&at.residual_factor, stiffness)?.stiffness();
+        let mut loads = DMatrix::identity(n, n);
+        let tension = multiply(&series, &at.residual.rows(0, s).into_owned());
+        let mut own = loads.rows_mut(0, s);
+        own -= tension;
+        Ok(loads)
     }
 
     /// The machine at a position with given spring stiffnesses (N/m or N m/rad, not negative).

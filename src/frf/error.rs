@@ -16,6 +16,25 @@ pub enum FrfError {
         /// Difference allowed.
         tolerance: f64,
     },
+    /// A damper, projected on the modes, leaves one of them without oscillation.
+    #[error(
+        "the mode at {frequency:.1} Hz has a damping ratio of {ratio:.2} by dampers that are projected on it, which \
+         describes no mode; take solution = \"exact\" in the damping table, or look for a damper that is too strong"
+    )]
+    Overdamped {
+        /// Natural frequency, Hz.
+        frequency: f64,
+        /// Damping ratio.
+        ratio: f64,
+    },
+    /// The complex modes of parts with loss factors could not be had.
+    #[error(
+        "the complex modes of parts with loss factors, {n} of them, could not be had; give the damping table          solution = \"projected\""
+    )]
+    Eigen {
+        /// Number of modes.
+        n: usize,
+    },
     /// There is nothing to compute.
     #[error("the list of {what} is empty; give at least one")]
     Empty {

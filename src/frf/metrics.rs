@@ -14,6 +14,7 @@
 use nalgebra::Complex;
 use rayon::prelude::*;
 
+use super::exact::Packed;
 use super::modal_sum::sum_at;
 use super::packing::{Denominator, PackedSystem, Packing};
 use super::point::{Response, Weights};
@@ -118,7 +119,8 @@ pub fn refine(
         .map(|(position, grid)| {
             assert_eq!(grid.len(), pairs.len(), "one grid extremum a pair at position {position}");
             let system = PackedSystem::new(&request.systems[position], &packing);
-            Search::new(request, &packing, &system, position)?.pairs(pairs, grid)
+            let exact = request.systems[position].exact.as_deref().map(|exact| exact.pack());
+            Search::new(request, &packing, (&system, exact.as_ref()), position)?.pairs(pairs, grid)
         })
         .collect()
 }
@@ -169,6 +171,7 @@ struct Search<'a> {
     request: &'a FrfRequest<'a>,
     packing: &'a Packing,
     system: &'a PackedSystem,
+    exact: Option<&'a Packed<'a>>,
     /// Starting frequencies, ascending, and half the width of the search around each.
     starts: Vec<(f64, f64)>,
     /// The responses there, `[start, output, input]`.
@@ -179,7 +182,7 @@ impl<'a> Search<'a> {
     fn new(
         request: &'a FrfRequest<'a>,
         packing: &'a Packing,
-        system: &'a PackedSystem,
+        (system, exact): (&'a PackedSystem, Option<&'a Packed<'a>>),
         position: usize,
     ) -> Result<Self, FrfError> {
         let (first, last) = (request.frequencies[0], request.frequencies[request.frequencies.len() - 1]);
@@ -202,13 +205,13 @@ impl<'a> Search<'a> {
         }
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let frequencies: Vec<f64> = starts.iter().map(|(f, _)| *f).collect();
-        let screened = sum_at(system, packing, request.quantity, &frequencies, request.values_per_pair());
-        Ok(Search { request, packing, system, starts, screened })
+        let screened = sum_at(system, exact, packing, request.quantity, &frequencies, request.values_per_pair());
+        Ok(Search { request, packing, system, exact, starts, screened })
     }
 
     fn pairs(&self, pairs: &[(usize, usize)], grid: &[GridExtrema]) -> Result<Vec<PairMetrics>, FrfError> {
         let found = pairs.iter().zip(grid).map(|(&(output, input), grid)| {
-            let pair = self.packing.pair_of_value[output * self.request.inputs.len() + input];
+            let pair = (output, input);
             let screened = |goal: Goal| -> Vec<f64> {
                 let rows = self.screened.chunks_exact(self.request.values_per_pair());
                 rows.map(|h| goal.value(h[output * self.request.inputs.len() + input])).collect()
@@ -223,10 +226,10 @@ impl<'a> Search<'a> {
     }
 
     /// The best frequency of a goal and the response there.
-    fn best(&self, pair: usize, goal: Goal, screened: &[f64], grid: usize) -> (f64, Complex<f64>) {
+    fn best(&self, pair: (usize, usize), goal: Goal, screened: &[f64], grid: usize) -> (f64, Complex<f64>) {
         let frequencies = self.request.frequencies;
         let (first, last) = (frequencies[0], frequencies[frequencies.len() - 1]);
-        let on_grid = self.respond(&Weights::new(self.system, frequencies[grid]), pair);
+        let on_grid = self.respond(frequencies[grid], pair);
         let top = screened.iter().copied().fold(goal.of(&on_grid)[0], f64::max);
         let bar = top - (1.0 - WORTHWHILE) * top.abs();
         let around = (frequencies[grid.saturating_sub(1)], frequencies[(grid + 1).min(frequencies.len() - 1)]);
@@ -242,17 +245,30 @@ impl<'a> Search<'a> {
         (best.0, best.1)
     }
 
-    fn respond(&self, weights: &Weights, pair: usize) -> Response {
-        weights.response(self.system, self.packing.pairs.len(), pair, self.request.quantity)
+    fn respond(&self, frequency: f64, (output, input): (usize, usize)) -> Response {
+        let quantity = self.request.quantity;
+        // At 0 Hz a free motion's accelerance is its own, and the modes have it.
+        if let Some(exact) = self.exact.filter(|_| frequency > 0.0) {
+            return exact.response(frequency, output, input, quantity);
+        }
+        let pair = self.packing.pair_of_value[output * self.request.inputs.len() + input];
+        Weights::new(self.system, frequency).response(self.system, self.packing.pairs.len(), pair, quantity)
     }
 
     /// Newton steps on the goal's slope, bisection where a step leaves the bracket or the goal is not concave; the best
     /// point seen.
-    fn climb(&self, pair: usize, goal: Goal, start: f64, mut low: f64, mut high: f64) -> (f64, Complex<f64>, f64) {
+    fn climb(
+        &self,
+        pair: (usize, usize),
+        goal: Goal,
+        start: f64,
+        mut low: f64,
+        mut high: f64,
+    ) -> (f64, Complex<f64>, f64) {
         let mut f = start;
         let mut best = (f, Complex::default(), f64::NEG_INFINITY);
         for _ in 0..60 {
-            let h = self.respond(&Weights::new(self.system, f), pair);
+            let h = self.respond(f, pair);
             let [value, slope, curvature] = goal.of(&h);
             if value > best.2 {
                 best = (f, h.value, value);

@@ -3,10 +3,12 @@
 //! A request ([`FrfRequest`]) names one modal system a position and one frequency grid; [`modal_sum`] answers it in
 //! f64 on the processor, [`crate::gpu`] on a device. Both sum in Hz, with each denominator written as
 //! (f_r - f)(f_r + f) + j (eta_r f_r^2 + 2 zeta_r f_r f), which keeps its digits beside a resonance.
+//! Damping that couples the modes is solved for at every frequency ([`ExactDamping`]), on the processor.
 //! A map larger than memory is computed in [`Tile`]s. [`metrics`] finds the peaks of a map and refines them from the
 //! modes, so that they do not depend on where the grid's points fall.
 
 mod error;
+mod exact;
 mod extrema;
 pub mod grid;
 mod grid_search;
@@ -24,6 +26,7 @@ mod tiles;
 mod truncation;
 
 pub use error::FrfError;
+pub use exact::ExactDamping;
 pub use extrema::{REACH, refined_extrema, refined_extrema_in};
 pub use grid::FrequencyGrid;
 pub use grid_search::GridSearch;

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 use rayon::prelude::*;
 
+use super::exact::Packed;
 use super::kernel::{Block, GROUP, Model, lay_out};
 use super::packing::{PackedSystem, Packing};
 use super::scatter::LARGE;
@@ -106,12 +107,19 @@ fn fill_range(request: &FrfRequest, packing: &Packing, range: &TileRange, values
     let frequencies = lay_out(&request.frequencies[range.frequencies.clone()]);
     let systems = &request.systems[range.positions.clone()];
     let stream = values.len() >= LARGE;
+    let plain = &request.frequencies[range.frequencies.clone()];
     values.par_chunks_mut(range.frequencies.len() * n_values).zip(systems).for_each(|(values, system)| {
+        let exact = system.exact.as_deref();
         let system = PackedSystem::new(system, packing);
         let model = Model { system: &system, packing, quantity: request.quantity };
-        values.par_chunks_mut(BLOCK * n_values).zip(frequencies.par_chunks(BLOCK)).for_each(|(values, frequencies)| {
-            Block { model, frequencies, stream, values }.sum();
-        });
+        if let Some(exact) = exact {
+            let packed = exact.pack();
+            let blocks = values.par_chunks_mut(BLOCK * n_values).zip(plain.par_chunks(BLOCK));
+            blocks.for_each(|(values, frequencies)| packed.sum(frequencies, request.quantity, values));
+        } else {
+            let blocks = values.par_chunks_mut(BLOCK * n_values).zip(frequencies.par_chunks(BLOCK));
+            blocks.for_each(|(values, frequencies)| Block { model, frequencies, stream, values }.sum());
+        }
         if range.frequencies.start == 0
             && request.has_accelerance_at_rest()
             && let Some(at_rest) = system.at_rest(packing, request.quantity)
@@ -124,6 +132,7 @@ fn fill_range(request: &FrfRequest, packing: &Packing, range: &TileRange, values
 /// The sum of one position at any ascending frequencies (Hz), `[frequency, output, input]`, on the calling thread.
 pub(super) fn sum_at(
     system: &PackedSystem,
+    exact: Option<&Packed<'_>>,
     packing: &Packing,
     quantity: Quantity,
     frequencies: &[f64],
@@ -133,9 +142,14 @@ pub(super) fn sum_at(
     if frequencies.is_empty() {
         return values;
     }
-    let model = Model { system, packing, quantity };
-    for (values, frequencies) in values.chunks_mut(BLOCK * n_values).zip(lay_out(frequencies).chunks(BLOCK)) {
-        Block { model, frequencies, stream: false, values }.sum();
+    match exact {
+        Some(exact) => exact.sum(frequencies, quantity, &mut values),
+        None => {
+            let model = Model { system, packing, quantity };
+            for (values, frequencies) in values.chunks_mut(BLOCK * n_values).zip(lay_out(frequencies).chunks(BLOCK)) {
+                Block { model, frequencies, stream: false, values }.sum();
+            }
+        }
     }
     if let Some(at_rest) = system.at_rest(packing, quantity) {
         let resting = frequencies.iter().take_while(|f| **f == 0.0).count();

@@ -22,7 +22,15 @@ impl Packing {
     /// residual is symmetric to rounding (64 eps of its largest entry; the mean of both entries is then used).
     pub fn new(request: &FrfRequest) -> Packing {
         let (rows, columns) = (request.outputs.len(), request.inputs.len());
-        let symmetric = rows == columns && request.systems.iter().all(is_symmetric);
+        Packing::of(rows, columns, rows == columns && request.systems.iter().all(is_symmetric))
+    }
+
+    /// Packing of one system between all its rows.
+    pub(super) fn of_system(system: &ModalSystem) -> Packing {
+        Packing::of(system.outputs.nrows(), system.inputs.nrows(), is_symmetric(system))
+    }
+
+    fn of(rows: usize, columns: usize, symmetric: bool) -> Packing {
         let mut pairs = Vec::new();
         let mut pair_of_value = vec![0; rows * columns];
         for i in 0..rows {

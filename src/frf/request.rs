@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::FrfError;
+use super::{ExactDamping, FrfError};
 pub use crate::machine::Quantity;
 
 /// Lowest frequency above 0 Hz that the sums accept.
@@ -19,6 +19,9 @@ const NO_DAMPING: f64 = 1e-16;
 /// H_ij(omega) = sum ------------------------------------------------ + sum C_k,ij (j omega)^k   [m/N]
 ///            r=1  omega_r^2 (1 + j eta_r) - omega^2 + 2 j zeta_r omega_r omega   k=0
 /// ```
+///
+/// Where damping couples the modes, these are the ratios and loss factors that projection gives; the sums then take
+/// [`Self::exact`] in their place, and the modes here tell where to look for peaks.
 #[derive(Clone, Debug)]
 pub struct ModalSystem {
     /// Natural frequencies, Hz, ascending; modes at 0 Hz that the ports do not feel are left out.
@@ -33,6 +36,8 @@ pub struct ModalSystem {
     pub inputs: DMatrix<f64>,
     /// Coefficients C_k of the residual polynomial in j omega, k = 0.., each n_output x n_input.
     pub residual: Vec<DMatrix<Complex<f64>>>,
+    /// Damping that couples the modes, where it is to be exact.
+    pub exact: Option<std::sync::Arc<ExactDamping>>,
 }
 
 /// A request for a map: one modal system a position, one frequency grid for all.
@@ -71,6 +76,11 @@ impl FrfRequest<'_> {
     /// The largest number of modes at a position.
     pub fn max_modes(&self) -> usize {
         self.systems.iter().map(|s| s.frequencies.len()).max().unwrap_or(0)
+    }
+
+    /// Whether damping couples the modes at any position: such sums are the processor's.
+    pub fn is_coupled(&self) -> bool {
+        self.systems.iter().any(|s| s.exact.is_some())
     }
 
     /// Checks everything that the sums take for granted.

@@ -160,6 +160,11 @@ pub(super) fn work(request: &FrfRequest) -> f64 {
 
 pub(super) fn choose(request: &FrfRequest, options: &BackendOptions) -> Result<Choice, GpuError> {
     let dir = options.cache_dir.as_deref();
+    if request.is_coupled() {
+        // The devices' sums know modes without coupling only.
+        let why = "damping of single joints or parts couples the modes, which the processor solves for";
+        return Ok(Choice::Cpu { why: why.to_string() });
+    }
     match options.backend {
         Backend::Cpu => Ok(Choice::Cpu { why: "asked for".to_string() }),
         Backend::Gpu => {

@@ -140,6 +140,7 @@ impl Case {
                     residual: vec![DMatrix::from_diagonal_element(3, 3, Complex::from(1e-9)); p],
                     outputs: shapes.clone(),
                     inputs: shapes,
+                    exact: None,
                 }
             })
             .collect();

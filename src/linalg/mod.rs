@@ -4,6 +4,7 @@
 //! `DMatrix`, column-major; sparse symmetric matrices are [`SparseSymmetric`].
 
 mod cholesky;
+mod complex;
 mod dense;
 mod graded;
 mod lanczos;
@@ -12,6 +13,7 @@ mod shift_invert;
 mod sparse;
 
 pub use cholesky::{Cholesky, Indefinite};
+pub use complex::{ComplexEigen, complex_eigen};
 pub use dense::{
     SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal,
     orthonormal_span, symmetric_eigen, symmetric_eigen_fast, triangle,
@@ -55,7 +57,7 @@ pub enum LinalgError {
         status: i32,
     },
     /// The dense eigenvalue iteration did not converge, or its input is not finite.
-    #[error("the dense symmetric eigenproblem of order {n} did not converge")]
+    #[error("the dense eigenproblem of order {n} did not converge")]
     Eigen {
         /// Order of the matrix.
         n: usize,

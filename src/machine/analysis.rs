@@ -72,12 +72,20 @@ fn read_quantity(item: &Item<'_>) -> Result<Quantity> {
         .ok_or_else(|| item.refuse("\"receptance\", \"mobility\" or \"accelerance\"", "write one of them"))
 }
 
-/// Reads a `damping` table: `ratio`, `ratios`, `rayleigh`, `loss_factor`.
+/// Reads a `damping` table: `ratio`, `ratios`, `rayleigh`, `loss_factor`, `solution`.
 pub(crate) fn read_damping(item: &Item<'_>) -> Result<Damping> {
     let table = item.table()?;
     let (one, many) = (table.get("ratio"), table.get("ratios"));
     let rayleigh = table.get("rayleigh").map(|item| read_rayleigh(&item)).transpose()?;
     let loss_factor = table.get("loss_factor").map(|item| read_loss_factor(&item)).transpose()?;
+    let projected = match table.get("solution") {
+        None => false,
+        Some(item) => match item.text()? {
+            "exact" => false,
+            "projected" => true,
+            _ => return Err(item.refuse("\"exact\" or \"projected\"", "leave it out for the exact solution")),
+        },
+    };
     let ratios = match (&one, &many) {
         (Some(_), Some(many)) => {
             return Err(many.refuse("either `ratio` or `ratios`", "remove one of them"));
@@ -101,7 +109,7 @@ pub(crate) fn read_damping(item: &Item<'_>) -> Result<Damping> {
         ));
     }
     let ratios = if ratios.is_empty() { vec![0.0] } else { ratios };
-    Ok(Damping { ratios, rayleigh, loss_factor: loss_factor.unwrap_or(0.0) })
+    Ok(Damping { ratios, rayleigh, loss_factor: loss_factor.unwrap_or(0.0), projected })
 }
 
 fn read_ratio(item: &Item<'_>) -> Result<f64> {

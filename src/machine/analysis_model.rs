@@ -119,4 +119,7 @@ pub struct Damping {
     pub rayleigh: Option<[f64; 2]>,
     /// Structural loss factor of the whole machine.
     pub loss_factor: f64,
+    /// Whether dampers and loss factors of joints and parts are projected on the undamped modes, which leaves out what
+    /// couples them; otherwise responses are exact.
+    pub projected: bool,
 }

@@ -1,12 +1,14 @@
 //! Modes at a position: found, counted, tracked into families.
 
 mod convergence;
+mod dissipation;
 mod estimate;
 mod free_motion;
 mod solve;
 mod tracking;
 
 pub use convergence::{ConvergenceError, Extrapolation, extrapolate};
+pub use dissipation::{Dissipation, PartLosses};
 pub use estimate::{MissingMotion, ReductionEstimate, SAFETY, reduction_estimate};
 pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at};
 pub use tracking::{Tracker, mode_table, track};

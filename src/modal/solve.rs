@@ -1,10 +1,11 @@
 //! Modes of the coupled machine at one position.
 
+use super::dissipation::{Dissipation, PartLosses, direct_rows, dissipating, project, uncoupled};
 use super::{ModalError, free_motion};
 use crate::coupling::{Around, CoupledEigen, CoupledModel, SpringValues};
-use crate::linalg::multiply;
+use crate::linalg::{multiply, multiply_transposed};
 use crate::machine::Damping;
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 
 /// All modes of the machine in its fixed basis at one position.
@@ -16,10 +17,12 @@ pub struct Modes {
     pub eigenvalues: Vec<f64>,
     /// Free motions at 0 Hz, the first modes.
     pub free: usize,
-    /// Viscous damping ratio of each mode; 0 for free motions.
+    /// Viscous damping ratio of each mode, dampers projected on it; 0 for free motions.
     pub damping_ratios: Vec<f64>,
-    /// Structural loss factor of each mode.
+    /// Structural loss factor of each mode, those of joints and parts projected on it.
     pub loss_factors: Vec<f64>,
+    /// What couples the modes, where anything does and it is to be exact.
+    pub dissipation: Option<Dissipation>,
     /// Mass-normalised shapes over the coordinates they were solved in, n x n.
     pub shapes: DMatrix<f64>,
     /// Shapes at the outputs, n_output x n, kg^(-1/2).
@@ -90,18 +93,28 @@ pub fn modes_at(model: &CoupledModel, damping: &Damping, position: f64) -> Resul
     let coupled = model.coupled(&at, &springs.stiffness)?;
     let eigen =
         model.eigen(&at, &coupled, &springs.stiffness).map_err(|source| ModalError::Eigen { position, source })?;
-    let parts = model.parts.iter().zip(&at.residual_of_part).filter_map(|(part, residual)| {
-        let (Some(eta), Some(k), Some(c)) = (part.loss_factor, &part.stiffness, residual) else { return None };
-        let forces = multiply(&coupled.forces, &eigen.vectors);
-        let strain = multiply(k, &eigen.vectors) - 2.0 * multiply(&c.with_basis, &forces);
-        let in_series = multiply(&c.between_forces, &forces);
-        let energy =
-            |r: usize| eigen.vectors.column(r).dot(&strain.column(r)) + forces.column(r).dot(&in_series.column(r));
-        Some((eta, (0..eigen.values.len()).map(energy).collect()))
-    });
-    let parts = parts.collect();
-    let elongations = &coupled.elongations;
-    let rows = Rows { outputs: &coupled.outputs, inputs: &coupled.inputs, direct: coupled.direct, elongations, parts };
+    let mut parts = Vec::new();
+    if model.parts.iter().any(|part| part.loss_factor.is_some()) {
+        let rows = at.residual.nrows();
+        let tension = multiply(&coupled.forces, &eigen.vectors).resize_vertically(rows, 0.0);
+        let loads = beside(&-tension, &model.loads_in_place(&at, &springs.stiffness)?);
+        let motion = eigen.vectors.clone().resize_horizontally(eigen.vectors.ncols() + rows, 0.0);
+        for (part, residual) in model.parts.iter().zip(&at.residual_of_part) {
+            if let (Some(eta), Some(k), Some(c)) = (part.loss_factor, &part.stiffness, residual) {
+                parts.push((eta, c.strain_energy(k, &motion, &loads)));
+            }
+        }
+    }
+    let residual = springs.dissipate().then(|| model.residual_in_place(&at, &springs.stiffness)).transpose()?;
+    let rows = Rows {
+        outputs: &coupled.outputs,
+        inputs: &coupled.inputs,
+        direct: coupled.direct,
+        elongations: &coupled.elongations,
+        residual,
+        parts,
+        reach: PARTS_REACH * model.frequency,
+    };
     rows.modes(position, damping, &springs, eigen)
 }
 
@@ -126,19 +139,34 @@ pub fn modes_around(
     let eigen = around.eigen(&design).map_err(|source| ModalError::Eigen { position, source })?;
     let elongations = around.elongations(&design);
     let mut parts = Vec::new();
+    // Coordinates and loads of the base, for the design's modes and then unit loads.
+    let rows = around.residual.nrows();
+    let of_modes = |coordinates: &DMatrix<f64>| {
+        let own = multiply(&coordinates.columns(0, eigen.vectors.nrows()).into_owned(), &eigen.vectors);
+        beside(&own, &coordinates.columns_range(eigen.vectors.nrows()..).into_owned())
+    };
+    let lossy = around.strain_energy.iter().any(Option::is_some);
+    let state = lossy.then(|| {
+        let m = around.n();
+        let coordinates = eigen.vectors.clone().resize_horizontally(m + rows, 0.0);
+        stacked(&coordinates, &of_modes(&around.loads_of(&design)))
+    });
+    let state = state.unwrap_or_else(|| DMatrix::zeros(0, 0));
     for (form, eta) in around.strain_energy.iter().zip(part_losses) {
         if let (Some(form), Some(eta)) = (form, eta) {
-            let state = stacked(&eigen.vectors, &multiply(&design.tension, &eigen.vectors));
-            let forces = multiply(form, &state);
-            parts.push((*eta, (0..eigen.values.len()).map(|r| state.column(r).dot(&forces.column(r))).collect()));
+            let energy = multiply_transposed(&state, &multiply(form, &state));
+            parts.push((*eta, 0.5 * (&energy + energy.transpose())));
         }
     }
+    let residual = springs.dissipate().then(|| around.residual_of(&design));
     let rows = Rows {
         outputs: &design.outputs,
         inputs: &design.inputs,
         direct: design.direct,
         elongations: &elongations,
+        residual,
         parts,
+        reach: f64::INFINITY,
     };
     rows.modes(position, damping, springs, eigen)
 }
@@ -158,14 +186,16 @@ pub fn base_modes(
     let (m, s, o) = (around.n(), around.springs.nrows(), around.outputs.nrows());
     let energies = around.strain_energy.iter().zip(part_losses).filter_map(|(form, eta)| {
         let (form, eta) = (form.as_ref()?, (*eta)?);
-        Some((eta, (0..m).map(|r| form[(r, r)]).collect::<Vec<f64>>()))
+        Some((eta, form.clone()))
     });
     let rows = Rows {
         outputs: &around.outputs,
         inputs: &around.inputs,
         direct: around.residual.view((s, s + o), (o, around.inputs.nrows())).into_owned(),
         elongations: &around.springs,
+        residual: springs.dissipate().then(|| around.residual.clone()),
         parts: energies.collect(),
+        reach: f64::INFINITY,
     };
     let eigen =
         CoupledEigen { values: around.eigenvalues.clone(), vectors: DMatrix::identity(m, m), free: around.free };
@@ -179,9 +209,18 @@ struct Rows<'a> {
     direct: DMatrix<f64>,
     /// Elongations of all springs, n_springs x n.
     elongations: &'a DMatrix<f64>,
-    /// Loss factor of each part that has one, and twice its strain energy in each mode.
-    parts: Vec<(f64, Vec<f64>)>,
+    /// Compliance that no coordinate carries between springs, outputs and inputs, m/N, if a spring dissipates.
+    residual: Option<DMatrix<f64>>,
+    /// Loss factor of each part that has one, and its stiffness between the modes and unit loads on springs, outputs and
+    /// inputs.
+    parts: Vec<(f64, DMatrix<f64>)>,
+    /// Parts couple the modes up to this frequency, Hz.
+    reach: f64,
 }
+
+/// Parts with loss factors couple the modes up to this multiple of the frequency that the basis was made for; maps sum
+/// those up to twice their highest frequency one by one.
+const PARTS_REACH: f64 = 2.0;
 
 impl Rows<'_> {
     fn modes(
@@ -194,19 +233,95 @@ impl Rows<'_> {
         let free = eigen.free;
         let eigenvalues = settled(&eigen, position)?;
         let elongations = springs.dissipate().then(|| multiply(self.elongations, &eigen.vectors));
-        let (damping_ratios, loss_factors) =
-            modal_damping(damping, springs, elongations.as_ref(), &self.parts, &eigenvalues, free);
+        let (mut damping_ratios, mut loss_factors) = uncoupled(damping, &eigenvalues, free);
+        let (outputs, inputs) = (multiply(self.outputs, &eigen.vectors), multiply(self.inputs, &eigen.vectors));
+        let dissipation = (!damping.projected).then(|| {
+            let whole = (&damping_ratios[..], &loss_factors[..]);
+            self.dissipation(springs, elongations.as_ref(), (&outputs, &inputs), &eigenvalues, free, whole)
+        });
+        let own = (&mut damping_ratios[..], &mut loss_factors[..]);
+        project(springs, elongations.as_ref(), &self.parts, &eigenvalues, free, own);
         Ok(Modes {
             position,
             free,
             damping_ratios,
             loss_factors,
-            outputs: multiply(self.outputs, &eigen.vectors),
-            inputs: multiply(self.inputs, &eigen.vectors),
+            dissipation: dissipation.flatten(),
+            outputs,
+            inputs,
             direct: self.direct,
             direct_loss_factor: damping.loss_factor,
             shapes: eigen.vectors,
             eigenvalues,
+        })
+    }
+
+    /// What couples the modes; `None` where nothing does.
+    fn dissipation(
+        &self,
+        springs: &SpringValues,
+        elongations: Option<&DMatrix<f64>>,
+        (outputs, inputs): (&DMatrix<f64>, &DMatrix<f64>),
+        eigenvalues: &[f64],
+        free: usize,
+        (ratios, losses): (&[f64], &[f64]),
+    ) -> Option<Dissipation> {
+        let chosen = dissipating(springs);
+        let lossy = self.parts.iter().any(|(eta, _)| *eta > 0.0);
+        if chosen.is_empty() && !lossy {
+            return None;
+        }
+        let (n, n_springs) = (eigenvalues.len(), self.elongations.nrows());
+        let mut loss_factors = losses.to_vec();
+        let (rows, columns) = direct_rows(&chosen, n_springs, self.outputs.nrows(), self.inputs.nrows());
+        let springs_at = |s: usize, k: usize| elongations.map_or(0.0, |e| e[(chosen[s], k)]);
+        let parts = lossy.then(|| {
+            let mut all = DMatrix::zeros(self.parts[0].1.nrows(), self.parts[0].1.ncols());
+            self.parts.iter().for_each(|(eta, energy)| all += energy * *eta);
+            let edge = (TAU * self.reach).powi(2);
+            let coupled = eigenvalues.iter().take_while(|l| **l <= edge).count();
+            (coupled.max(free)..n).for_each(|r| loss_factors[r] += all[(r, r)] / eigenvalues[r]);
+            let own = |r: usize| Complex::new(eigenvalues[r], eigenvalues[r] * loss_factors[r]).inv();
+            // The modes beyond answer statically: their inertia is that of their own terms.
+            let beyond: Vec<Complex<f64>> = (coupled..n).map(own).collect();
+            let through = |left: &dyn Fn(usize) -> f64, right: &dyn Fn(usize) -> f64| {
+                beyond
+                    .iter()
+                    .enumerate()
+                    .map(|(k, c)| c * (left(coupled + k) * right(coupled + k)))
+                    .sum::<Complex<f64>>()
+            };
+            let between_modes = DMatrix::from_fn(coupled, coupled, |r, q| {
+                Complex::new(0.0, all[(r, q)]) + through(&|k| all[(r, k)], &|k| all[(k, q)])
+            });
+            let loads = |of: &[usize], shapes: &DMatrix<f64>| {
+                let shape = |i: usize, k: usize| {
+                    if i < shapes.nrows() { shapes[(i, k)] } else { springs_at(i - shapes.nrows(), k) }
+                };
+                DMatrix::from_fn(of.len(), coupled, |i, r| {
+                    Complex::new(0.0, all[(n + of[i], r)])
+                        + Complex::new(0.0, 1.0) * through(&|k| shape(i, k), &|k| all[(k, r)])
+                })
+            };
+            PartLosses {
+                between_modes,
+                outputs: loads(&rows, outputs),
+                inputs: loads(&columns, inputs),
+                direct: DMatrix::from_fn(rows.len(), columns.len(), |i, j| all[(n + rows[i], n + columns[j])]),
+            }
+        });
+        let direct = match &self.residual {
+            Some(residual) => DMatrix::from_fn(rows.len(), columns.len(), |i, j| residual[(rows[i], columns[j])]),
+            None => self.direct.clone(),
+        };
+        Some(Dissipation {
+            springs: elongations.map_or_else(|| DMatrix::zeros(0, n), |e| e.select_rows(&chosen)),
+            direct,
+            viscous: chosen.iter().map(|&s| springs.damping[s]).collect(),
+            structural: chosen.iter().map(|&s| springs.loss_factors[s] * springs.stiffness[s]).collect(),
+            parts,
+            damping_ratios: ratios.to_vec(),
+            loss_factors,
         })
     }
 }
@@ -219,39 +334,10 @@ fn settled(eigen: &CoupledEigen, position: f64) -> Result<Vec<f64>, ModalError> 
     }
 }
 
-/// Viscous ratio and loss factor of every mode, from the springs' elongations (n_springs x n, if any
-/// spring dissipates) and twice the strain energy of each part that has a loss factor.
-///
-/// Joint dampers and loss factors of single parts and joints are projected on the undamped modes:
-/// their coupling between modes is left out, which is an approximation of second order in the damping.
-fn modal_damping(
-    damping: &Damping,
-    springs: &SpringValues,
-    elongations: Option<&DMatrix<f64>>,
-    parts: &[(f64, Vec<f64>)],
-    eigenvalues: &[f64],
-    free: usize,
-) -> (Vec<f64>, Vec<f64>) {
-    let n = eigenvalues.len();
-    let mut ratios = vec![0.0; n];
-    let mut losses = vec![0.0; n];
-    for r in free..n {
-        let omega = eigenvalues[r].sqrt();
-        let listed = damping.ratios.get(r - free).or(damping.ratios.last()).copied().unwrap_or(0.0);
-        let rayleigh = damping.rayleigh.map_or(0.0, |[alpha, beta]| 0.5 * (alpha / omega + beta * omega));
-        let (mut dampers, mut joint_loss) = (0.0, 0.0);
-        if let Some(elongations) = elongations {
-            for (s, elongation) in elongations.column(r).iter().enumerate() {
-                let square = elongation * elongation;
-                dampers += springs.damping[s] * square;
-                joint_loss += springs.loss_factors[s] * springs.stiffness[s] * square;
-            }
-        }
-        ratios[r] = listed + rayleigh + dampers / (2.0 * omega);
-        let part_loss: f64 = parts.iter().map(|(eta, energy)| eta * energy[r]).sum();
-        losses[r] = damping.loss_factor + (joint_loss + part_loss) / eigenvalues[r];
-    }
-    (ratios, losses)
+fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = a.clone().resize_horizontally(a.ncols() + b.ncols(), 0.0);
+    out.columns_mut(a.ncols(), b.ncols()).copy_from(b);
+    out
 }
 
 fn stacked(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {

@@ -173,6 +173,7 @@ impl Database {
             free,
             damping_ratios: (0..values.len()).map(ratio).collect(),
             loss_factors: vec![0.0; values.len()],
+            dissipation: None,
             shapes: eigen.vectors,
             eigenvalues: values,
             outputs,

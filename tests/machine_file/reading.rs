@@ -45,7 +45,10 @@ fn the_small_machine_is_read_in_si_with_names_resolved() {
     assert_eq!((port.interface, port.input, port.output), (side(1, 2), true, true));
     assert_eq!(port.directions, [("x".to_owned(), [1.0, 0.0, 0.0]), ("z".to_owned(), [0.0, 0.0, 1.0])]);
     assert_eq!(machine.analysis.frequencies, (0..=10).map(f64::from).collect::<Vec<_>>());
-    assert_eq!(machine.analysis.damping, Damping { ratios: vec![0.02], rayleigh: None, loss_factor: 0.0 });
+    assert_eq!(
+        machine.analysis.damping,
+        Damping { ratios: vec![0.02], rayleigh: None, loss_factor: 0.0, projected: false }
+    );
     let component = machine.analysis.component;
     assert_eq!((component.modes, component.band, component.second_moment), (50, f64::INFINITY, true));
 }
@@ -183,7 +186,7 @@ fn the_other_forms_of_region_frequencies_and_damping_are_read() {
     );
     assert_eq!(
         machine.analysis.damping,
-        Damping { ratios: vec![0.01, 0.03], rayleigh: Some([2.0, 1e-6]), loss_factor: 0.1 }
+        Damping { ratios: vec![0.01, 0.03], rayleigh: Some([2.0, 1e-6]), loss_factor: 0.1, projected: false }
     );
     let machine = accepted(
         "{ modes = 50 }",

@@ -46,7 +46,8 @@ fn evaluate(
 fn the_route_on_a_device_has_the_processors_metrics_and_outlives_the_device() {
     let Some(gpu) = device() else { return };
     let mut slide = Slide::new(true);
-    slide.machine.analysis.damping = Damping { ratios: Vec::new(), rayleigh: None, loss_factor: 0.02 };
+    slide.machine.analysis.damping =
+        Damping { ratios: Vec::new(), rayleigh: None, loss_factor: 0.02, projected: false };
     let (expected, on_cpu) = evaluate(&slide, SpringBackend::cpu("asked for"));
     let expected: Vec<Evaluation> = expected.into_iter().map(Result::unwrap).collect();
     assert_eq!((on_cpu.backend, on_cpu.pairs_on_cpu, on_cpu.pairs_on_device), ("cpu", 90, 0));

@@ -69,7 +69,7 @@ pub fn side(part: usize, interface: usize) -> InterfaceRef {
 
 /// Viscous damping ratio of all modes.
 pub fn ratio(zeta: f64) -> Damping {
-    Damping { ratios: vec![zeta], rayleigh: None, loss_factor: 0.0 }
+    Damping { ratios: vec![zeta], rayleigh: None, loss_factor: 0.0, projected: false }
 }
 
 /// A machine of some parts that stand still.

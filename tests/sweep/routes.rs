@@ -23,7 +23,7 @@ fn slide() -> &'static Slide {
 }
 
 fn lossy(eta: f64) -> Damping {
-    Damping { ratios: Vec::new(), rayleigh: None, loss_factor: eta }
+    Damping { ratios: Vec::new(), rayleigh: None, loss_factor: eta, projected: false }
 }
 
 /// The machine with every spring scaled by its own factor, the screw by its diameter.

@@ -231,6 +231,7 @@ impl Database {
                 outputs: rows(&outputs, o),
                 inputs: rows(&inputs, i),
                 residual: (0..degrees).map(|d| DMatrix::from_fn(o, i, |a, b| c(d, a, b))).collect(),
+                exact: None,
             })
         };
         counts.iter().enumerate().map(one).collect()

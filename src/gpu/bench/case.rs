@@ -23,6 +23,7 @@ impl Case {
                 outputs: shapes.clone(),
                 inputs: shapes,
                 residual: Vec::new(),
+                exact: None,
             }
         };
         Case {
