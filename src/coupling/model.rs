@@ -89,6 +89,12 @@ pub struct SpringValues {
 }
 
 impl SpringValues {
+    /// The springs with a damper, or with a loss factor of their own and a stiffness.
+    pub fn dissipating(&self) -> Vec<usize> {
+        let acts = |s: &usize| self.damping[*s] > 0.0 || self.loss_factors[*s] > 0.0 && self.stiffness[*s] > 0.0;
+        (0..self.stiffness.len()).filter(acts).collect()
+    }
+
     /// Whether any spring has a damper or a loss factor.
     pub fn dissipate(&self) -> bool {
         self.damping.iter().chain(&self.loss_factors).any(|v| *v > 0.0)

@@ -91,12 +91,6 @@ pub(super) fn project(
     }
 }
 
-/// The springs that dissipate.
-pub(super) fn dissipating(springs: &SpringValues) -> Vec<usize> {
-    let acts = |s: &usize| springs.damping[*s] > 0.0 || springs.loss_factors[*s] > 0.0 && springs.stiffness[*s] > 0.0;
-    (0..springs.stiffness.len()).filter(acts).collect()
-}
-
 /// Rows and columns of [`Dissipation::direct`] among springs, outputs and inputs.
 pub(super) fn direct_rows(
     chosen: &[usize],

@@ -1,6 +1,6 @@
 //! Modes of the coupled machine at one position.
 
-use super::dissipation::{Dissipation, PartLosses, direct_rows, dissipating, project, uncoupled};
+use super::dissipation::{Dissipation, PartLosses, direct_rows, project, uncoupled};
 use super::{ModalError, free_motion};
 use crate::coupling::{Around, CoupledEigen, CoupledModel, SpringValues};
 use crate::linalg::{multiply, multiply_transposed};
@@ -266,7 +266,7 @@ impl Rows<'_> {
         free: usize,
         (ratios, losses): (&[f64], &[f64]),
     ) -> Option<Dissipation> {
-        let chosen = dissipating(springs);
+        let chosen = springs.dissipating();
         let lossy = self.parts.iter().any(|(eta, _)| *eta > 0.0);
         if chosen.is_empty() && !lossy {
             return None;

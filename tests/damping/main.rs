@@ -1,5 +1,6 @@
 //! Damping: responses against a direct complex solve of the superelements side by side, which knows no modes.
 
+mod sensitivities;
 #[path = "../support/mod.rs"]
 mod support;
 
