@@ -68,6 +68,15 @@ pub fn open_backend(study: &Study, route: Route, backend: Backend) -> Result<Spr
     }
 }
 
+/// The evaluator of a route.
+pub struct Chosen<'a> {
+    pub evaluator: Box<dyn Evaluator + 'a>,
+    /// Why this route.
+    pub why: String,
+    /// What a reader of the table must know of it.
+    pub warnings: Vec<String>,
+}
+
 /// The evaluator of a route, and why it was chosen.
 pub fn choose<'a>(
     study: &'a Study,
@@ -75,7 +84,7 @@ pub fn choose<'a>(
     route: Route,
     backend: SpringBackend,
     interrupt: &'a Interrupt,
-) -> Result<(Box<dyn Evaluator + 'a>, String)> {
+) -> Result<Chosen<'a>> {
     let machine = &study.machine;
     let request = request(study);
     let probes = study.probes();
@@ -85,12 +94,52 @@ pub fn choose<'a>(
         Route::Auto if backend.is_asked_for() => (true, "a device is asked for; damping is exact".to_owned()),
         Route::Auto => by_cost(machine, &probes, &request),
     };
-    Ok(if coupling {
-        let on_cpu = CouplingRoute::new(machine, superelements, request, &probes, interrupt)?;
-        (Box::new(on_cpu.on(backend)?), why)
-    } else {
-        (Box::new(ModesRoute::new(machine, superelements, request, &probes, interrupt)?), why)
-    })
+    if !coupling {
+        let evaluator = Box::new(ModesRoute::new(machine, superelements, request, &probes, interrupt)?);
+        return Ok(Chosen { evaluator, why, warnings: Vec::new() });
+    }
+    let on_cpu = CouplingRoute::new(machine, superelements, request.clone(), &probes, interrupt)?;
+    let mut warnings = Vec::new();
+    if let Some(reason) = not_exact_by_coupling(&probes) {
+        let modes = ModesRoute::new(machine, superelements, request, &probes, interrupt)?;
+        warnings.push(apart(study, reason, &on_cpu, &modes));
+    }
+    Ok(Chosen { evaluator: Box::new(on_cpu.on(backend)?), why, warnings })
+}
+
+/// How far the coupling route is from the modes route at the nominal design and the ends of all variables.
+fn apart(study: &Study, reason: &str, coupling: &dyn Evaluator, modes: &dyn Evaluator) -> String {
+    let ends = |high: f64| study.design(&study.variables.iter().map(|v| v.at(high)).collect::<Vec<_>>());
+    let designs = [Design::nominal(&study.machine), ends(0.0), ends(1.0)];
+    let names = ["the nominal design", "all variables at their first value", "all variables at their last value"];
+    let mut worst = (0.0, "", "");
+    for ((a, b), name) in coupling.evaluate(&designs).iter().zip(modes.evaluate(&designs)).zip(names) {
+        let (Ok(a), Ok(b)) = (a, b) else {
+            return format!(
+                "--route coupling: {reason}, which the coupling route leaves with the nominal machine's modes; {name} is \
+                 not answered by both routes, so the size of the error is not known; use --route modes"
+            );
+        };
+        for (a, b) in a.iter().zip(&b) {
+            for (a, b) in a.pairs.iter().zip(&b.pairs) {
+                for (what, a, b) in [
+                    ("a largest response", a.peak, b.peak),
+                    ("a most negative real part", a.most_negative_real, b.most_negative_real),
+                ] {
+                    let off = (a.value / b.value - 1.0).abs();
+                    if off > worst.0 {
+                        worst = (off, what, name);
+                    }
+                }
+            }
+        }
+    }
+    let (off, what, name) = worst;
+    format!(
+        "--route coupling: {reason}, which the coupling route leaves with the nominal machine's modes; of three designs \
+         {what} is off by up to {:.2} % from the modes route ({name}); use --route modes",
+        100.0 * off
+    )
 }
 
 /// What a study asks of each design.
@@ -111,6 +160,9 @@ pub fn request(study: &Study) -> Request {
 /// spring, 2 ms with 21, and 3 ms by modes.
 const FEW_SPRINGS: usize = 12;
 
+/// Loss factor of the machine from which a grid holds every design's peaks, whatever joints dissipate beside it.
+const SHARP: f64 = 1e-3;
+
 fn by_cost(machine: &Machine, probes: &[Design], request: &Request) -> (bool, String) {
     if let Some(reason) = only_by_modes(machine, probes, &request.families) {
         return (false, reason);
@@ -128,6 +180,12 @@ fn only_by_modes(machine: &Machine, probes: &[Design], families: &[usize]) -> Op
     }
     if let Some(reason) = not_exact_by_coupling(probes) {
         return Some(format!("{reason}, which only the modes route follows"));
+    }
+    let least = probes.iter().map(|p| p.machine.analysis.damping.loss_factor).fold(f64::INFINITY, f64::min);
+    if least < SHARP {
+        return Some(format!(
+            "the machine's loss factor, {least}, is below {SHARP}: designs may have peaks that a grid steps over"
+        ));
     }
     changes_the_base(machine, probes).map(|what| format!("{what}, so each design needs receptances of its own base"))
 }

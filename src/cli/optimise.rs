@@ -1,7 +1,7 @@
 //! `stiffmap optimise`: the best design of a study under its bounds.
 
 use super::UsageError;
-use super::evaluator::{Route, choose, reduce};
+use super::evaluator::{Chosen, Route, choose, reduce};
 use super::progress::Progress;
 use super::record;
 use super::run::{relative, slug};
@@ -73,7 +73,7 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     }
     let reduced = reduce(&study, arguments.no_cache, &mut progress, interrupt)?;
     let backend = SpringBackend::cpu("a search asks for one design at a time");
-    let (evaluator, why) = progress.stage("prepare positions", 0, |_| {
+    let Chosen { evaluator, why, warnings } = progress.stage("prepare positions", 0, |_| {
         choose(&study, &reduced.superelements, arguments.route, backend, interrupt)
     })?;
     let record = Record::new(&study, evaluator.route(), Shard::WHOLE)?;
@@ -135,6 +135,8 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let settings = &mut manifest.settings;
     settings.push("route", json!(evaluator.route()));
     settings.push("route_why", json!(why));
+    progress.warn(&warnings);
+    manifest.warnings.extend(warnings);
     settings.push("objective", json!(objective.name));
     settings.push("search_seed", json!(study.search.seed));
     settings.push("population", json!(found.population));

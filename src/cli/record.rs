@@ -12,7 +12,7 @@ use stiffmap::export::response::unit;
 use stiffmap::frf::Truncation;
 use stiffmap::machine::{Machine, Quantity};
 use stiffmap::modal::{Modes, ReductionEstimate};
-use stiffmap::pipeline::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, Solved};
+use stiffmap::pipeline::{FREQUENCY_BOUND, MAP_BOUND, ProjectionError, ReductionErrors, Solved, acting_damping};
 use stiffmap::reduction::Superelement;
 
 /// Hashes of the machine file and its meshes.
@@ -70,6 +70,37 @@ pub fn settings(manifest: &mut Manifest, machine: &Machine, arguments: &Argument
         settings.push("residual_degree", json!(degree));
     }
     settings.push("truncation_error", json!(truncation.error));
+}
+
+/// Which damping acted, how it was solved for, and what projecting it on the modes would leave out.
+pub fn damping(manifest: &mut Manifest, machine: &Machine, projection: Option<&ProjectionError>) {
+    let solution = if machine.analysis.damping.projected { "projected" } else { "exact" };
+    let acting = acting_damping(machine);
+    let value = json!({"acting": acting, "solution": solution, "projection_error": projection});
+    manifest.settings.push("damping", super::run::without_nulls(value));
+}
+
+/// A failed check is a failed command, once all files are written.
+pub fn hold(manifest: &Manifest) -> Result<()> {
+    let failed: Vec<String> = manifest.checks.iter().filter(|c| !c.passed).map(in_words).collect();
+    if failed.is_empty() { Ok(()) } else { Err(anyhow::anyhow!("{}", failed.join("; "))) }
+}
+
+fn in_words(check: &Check) -> String {
+    let advice = [
+        ("fixed basis", "ask for fewer elastic `modes` or a lower highest frequency, and report the machine"),
+        ("modes found", "ask for fewer elastic `modes`, and report the machine"),
+        ("truncation", "give [analysis] component more `modes`"),
+        ("reduction", "give [analysis] component more `modes`, or leave `modes` and `band` out"),
+        ("energy", "raise the sampling rate with --rate"),
+        ("spectra", "raise the sampling rate with --rate, or make the record longer with --duration"),
+    ];
+    let advice =
+        advice.iter().find(|(begins, _)| check.name.starts_with(begins)).map_or("see the manifest", |(_, a)| *a);
+    format!(
+        "check failed: {}, {:.1e} where {:.0e} is allowed; all files are written; {advice}",
+        check.name, check.figure, check.bound
+    )
 }
 
 /// The checks of the reduction's error, and what to change where one fails.

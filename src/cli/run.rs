@@ -176,6 +176,14 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             TRUNCATION,
         ));
     }
+    let projection = progress.stage("projection of the damping", 0, |_| {
+        pipeline::projection_error(&machine, &model, &axes.positions, highest)
+    })?;
+    let what =
+        if machine.analysis.damping.projected { "all results take" } else { "state_space.mat and the page take" };
+    let projected = projection.as_ref().and_then(|p| p.warning(what));
+    progress.warn(projected.as_slice());
+    warnings.extend(projected);
     let map_error = errors.map(&axes.positions, &systems, highest)?;
     record::reduction(&mut checks, &mut warnings, &errors, &solved.modes, map_error);
     axes.frequencies = frequencies::around_modes(&machine.analysis, &systems)?;
@@ -212,6 +220,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     record::size(&mut manifest, &superelements, model.n(), &solved, &machine, &truncation);
     manifest.counts.push("frequencies", axes.frequencies.len() as u64);
     record::settings(&mut manifest, &machine, arguments, &truncation, model.frequency);
+    record::damping(&mut manifest, &machine, projection.as_ref());
     record::map(&mut manifest, &axes, &map, limit);
     manifest.counts.push("parts_from_cache", hits as u64);
     let free_motions = summary::free_motions(&solved, &model);
@@ -232,7 +241,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     } else {
         summary::print(&outcome, &manifest, &progress);
     }
-    Ok(())
+    record::hold(&manifest)
 }
 
 /// Refuses before the long computation what `state_space.mat` could not hold after it.

@@ -119,6 +119,16 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     settings.push("samples_a_second", json!(arguments.rate));
     settings.push("samples", json!(forces.samples()));
     settings.push("damping_ratios", json!(machine.analysis.damping.ratios));
+    // A history's damping is that of its modes: dampers are projected on them, and a loss factor is half its ratio.
+    let mut told = machine.clone();
+    told.analysis.damping.projected = true;
+    let highest = arguments.highest(&machine);
+    let where_to = path.as_ref().map_or_else(|| positions.clone(), |p| p.range().to_vec());
+    let projection = pipeline::projection_error(&machine, &model, &where_to, highest)?;
+    let projected = projection.as_ref().and_then(|p| p.warning("histories take"));
+    progress.warn(projected.as_slice());
+    manifest.warnings.extend(projected);
+    record::damping(&mut manifest, &told, projection.as_ref());
     let outcome = Outcome { machine: &machine, outputs: model.output_names(), forces: &forces, result, out };
     simulate_files::write(&outcome, arguments, &mut progress, &mut manifest, interrupt)?;
     if arguments.json {
@@ -126,7 +136,7 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     } else {
         simulate_files::print(&outcome, &manifest, &progress);
     }
-    Ok(())
+    record::hold(&manifest)
 }
 
 /// Names of the directions of the input or output ports, as the coupled model has them.

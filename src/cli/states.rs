@@ -35,6 +35,9 @@ fn parse_hold(text: &str) -> Result<Hold, String> {
     }
 }
 
+/// Leave-one-out figure from which a run tells of it.
+const LEAVE_ONE_OUT_TOLD: f64 = 0.01;
+
 impl StateArguments {
     /// Refuses what cannot be, before anything is computed.
     pub fn check(&self) -> Result<(), UsageError> {
@@ -76,6 +79,14 @@ impl StateArguments {
             Some(Ok(mut database)) => {
                 if let Some(figure) = database.worst_leave_one_out() {
                     manifest.settings.push("state_space_leave_one_out", json!(figure));
+                    if figure > LEAVE_ONE_OUT_TOLD {
+                        manifest.warnings.push(format!(
+                            "aligned state spaces between stations: a station interpolated from the others, at twice the \
+                             spacing, is off by up to {:.1} % of its peak; make the axis's step smaller before you \
+                             interpolate them",
+                            100.0 * figure
+                        ));
+                    }
                 }
                 database.states = database.states.into_iter().map(written).collect();
                 return Ok(mat::write_database(path, &database, outputs, inputs, discrete)?);

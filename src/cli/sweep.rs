@@ -1,7 +1,7 @@
 //! `stiffmap sweep`: the designs of a study, one row each.
 
 use super::UsageError;
-use super::evaluator::{Reduced, Route, choose, open_backend, reduce};
+use super::evaluator::{Chosen, Reduced, Route, choose, open_backend, reduce};
 use super::progress::Progress;
 use super::record::round;
 use super::run::{parse_backend, slug, without_nulls};
@@ -93,9 +93,10 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
 
     let backend = open_backend(&study, arguments.route, arguments.backend)?;
     let reduced = reduce(&study, arguments.no_cache, &mut progress, interrupt)?;
-    let (evaluator, why) = progress.stage("prepare positions", 0, |_| {
+    let Chosen { evaluator, why, warnings } = progress.stage("prepare positions", 0, |_| {
         choose(&study, &reduced.superelements, arguments.route, backend, interrupt)
     })?;
+    progress.warn(&warnings);
     let record = Record::new(&study, evaluator.route(), shard)?;
     let table = out.join(TABLE);
     let mut rows: Vec<Row> = Vec::new();
@@ -127,6 +128,7 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let mut manifest = begin_manifest(&study, &record, &reduced);
     manifest.settings.push("route", json!(evaluator.route()));
     manifest.settings.push("route_why", json!(why));
+    manifest.warnings.extend(warnings);
     manifest.backend = without_nulls(serde_json::to_value(evaluator.backend())?);
     let counts = &mut manifest.counts;
     counts.push("designs_done_before", done);
@@ -204,7 +206,7 @@ fn join(arguments: &Arguments, study: &Study, out: &Path, mut progress: Progress
     let evaluator = if needs_machine {
         let route = if record.route == "coupling" { Route::Coupling } else { Route::Modes };
         let backend = open_backend(study, route, arguments.backend)?;
-        Some(choose(study, &reduced.superelements, route, backend, interrupt)?.0)
+        Some(choose(study, &reduced.superelements, route, backend, interrupt)?.evaluator)
     } else {
         None
     };

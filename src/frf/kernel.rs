@@ -249,6 +249,7 @@ mod tests {
             outputs: shapes.clone(),
             inputs: shapes,
             residual: vec![DMatrix::from_element(n_ports, n_ports, Complex::new(1e-3, 1e-4)); 2],
+            exact: None,
         };
         let frequencies: Vec<f64> = (0..37).map(|k| 1.0 + 6.1 * k as f64).collect();
         let names: Vec<String> = (0..n_ports).map(|i| i.to_string()).collect();

@@ -2,11 +2,13 @@
 
 mod mechanism;
 mod plausibility;
+mod projection;
 mod reduction_error;
 mod travel;
 
 pub use mechanism::mechanisms;
 pub use plausibility::{modal_plausibility, plausibility, study_plausibility};
+pub use projection::{PROJECTION_TOLD, ProjectionError, acting_damping, projection_error};
 pub use reduction_error::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, few_component_modes, reduction_errors};
 pub use travel::{check_travel, screw_length};
 
@@ -41,6 +43,9 @@ pub enum PipelineError {
     /// The modes of a position could not be had.
     #[error(transparent)]
     Modal(#[from] ModalError),
+    /// Responses could not be summed.
+    #[error(transparent)]
+    Frf(#[from] crate::frf::FrfError),
     /// The user asked to stop.
     #[error("interrupted; nothing half-written is left")]
     Interrupted,
@@ -55,7 +60,7 @@ impl PipelineError {
             Self::Coupling(error) | Self::Modal(ModalError::Coupling(error)) => {
                 !matches!(error, CouplingError::Basis(_))
             }
-            Self::Modal(_) | Self::Interrupted => false,
+            Self::Modal(_) | Self::Frf(_) | Self::Interrupted => false,
         }
     }
 }

@@ -170,9 +170,13 @@ pub fn parse_milling(text: &str, inputs: &[String]) -> Result<Milling, ResponseE
     if milling.teeth > 1000 {
         return Err(ResponseError::not_allowed("--milling: teeth", milling.teeth, "1 to 1000"));
     }
-    if !(milling.entry < milling.exit && milling.exit <= std::f64::consts::TAU) {
+    if !(milling.entry < milling.exit && milling.exit <= std::f64::consts::PI * (1.0 + 1e-12)) {
         let seen = format!("{} to {} degrees", milling.entry.to_degrees(), milling.exit.to_degrees());
-        return Err(ResponseError::not_allowed("--milling: entry and exit", seen, "0 <= entry < exit <= 360"));
+        return Err(ResponseError::not_allowed(
+            "--milling: entry and exit",
+            seen,
+            "0 <= entry < exit <= 180: beyond 180 degrees the chip thickness, feed times sin(angle), is negative",
+        ));
     }
     if milling.feed_input == milling.normal_input {
         let allowed = "two different inputs";

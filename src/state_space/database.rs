@@ -82,7 +82,7 @@ impl Database {
         let aligned = align(modes, carried, felt)?;
         let mut database = Self { states, aligned, leave_one_out: Vec::new(), options, free };
         let loo = |k: usize| {
-            let inside = k > 0 && k + 1 < positions.len() && positions.len() > POINTS;
+            let inside = k > 0 && k + 1 < positions.len() && positions.len() > 2;
             inside
                 .then(|| database.interpolate_without(positions[k], Some(k)))
                 .transpose()

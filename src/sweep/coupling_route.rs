@@ -39,6 +39,9 @@ const FELT: f64 = 1e-6;
 pub struct CouplingRoute<'a> {
     bases: Bases<'a>,
     pairs: Vec<(usize, usize)>,
+    /// How far below the nominal machine's lowest frequency a design's may lie, as a factor: no design is softer than
+    /// its softest spring's share, and frequencies go with the root (Rayleigh's quotient).
+    softest: f64,
     backend: SpringBackend,
 }
 
@@ -60,9 +63,10 @@ impl<'a> CouplingRoute<'a> {
         let request = Request { whole_basis: true, ..request };
         let bases = Bases::new(machine, superelements, request, probes, interrupt)?;
         let model = &bases.nominal.model;
+        let softest = softest(&bases.nominal, probes);
         let pairs = direct_pairs_of(&model.output_names(), &model.input_names());
         let backend = SpringBackend::cpu("no device is asked for");
-        Ok(Self { bases, pairs, backend })
+        Ok(Self { bases, pairs, softest, backend })
     }
 
     /// The same on another back end; its extrema are the same.
@@ -234,12 +238,17 @@ impl<'a> CouplingRoute<'a> {
         let losses: Vec<Option<f64>> = design.machine.parts.iter().map(|p| p.loss_factor).collect();
         let modes = base_modes(around, &design.machine.analysis.damping, nominal, &losses)?;
         let in_band = modes.free..modes.count_up_to(1.5 * last).max(modes.free + 1).min(modes.eigenvalues.len());
-        let half = in_band.map(|r| modes.damping_ratios[r] + 0.5 * modes.loss_factors[r]).fold(f64::INFINITY, f64::min);
+        // Where the whole machine has a loss factor, a design may have no more than that: joints dissipate less of a
+        // mode the less they move in it.
+        let nominal =
+            in_band.map(|r| modes.damping_ratios[r] + 0.5 * modes.loss_factors[r]).fold(f64::INFINITY, f64::min);
+        let own = 0.5 * design.machine.analysis.damping.loss_factor;
+        let half = if own > 0.0 { nominal.min(own) } else { nominal };
         if half < SHARPEST {
             let what = format!("half the relative bandwidth of a mode at position {} m", around.position);
             return Err(SweepError::Value { what, seen: half, allowed: "2e-4 or more; use the modes route" });
         }
-        let fine = (SOFTEST * modes.frequency(modes.free)).clamp(first, last);
+        let fine = (SOFTEST * self.softest * modes.frequency(modes.free)).clamp(first, last);
         let mut grid: Vec<f64> = (0..BELOW).map(|k| first + (fine - first) * k as f64 / BELOW as f64).collect();
         let steps = ((last / fine).ln() / (STEP * half).ln_1p()).ceil().max(1.0) as usize;
         grid.extend((0..=steps).map(|k| fine * (last / fine).powf(k as f64 / steps as f64)));
@@ -340,6 +349,20 @@ impl<'a> Base<'a> {
         };
         self.around.varied.iter().map(one).collect()
     }
+}
+
+/// The root of the smallest share that a probe leaves of a spring's stiffness, at most 1.
+fn softest(prepared: &Prepared, probes: &[Design]) -> f64 {
+    let mut smallest: f64 = 1.0;
+    for around in &prepared.around {
+        for probe in probes {
+            // A probe that cannot be coupled here is a design that says so itself.
+            let Ok(values) = prepared.model.spring_values(&probe.machine, around.position) else { continue };
+            let shares = values.stiffness.iter().zip(&around.base).filter(|(_, base)| **base > 0.0);
+            smallest = shares.map(|(k, base)| k / base).fold(smallest, f64::min);
+        }
+    }
+    smallest.max(1e-12).sqrt()
 }
 
 /// Whether any row moves with a mode by more than rounding.
