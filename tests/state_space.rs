@@ -25,6 +25,7 @@ fn modes(n_elastic: usize, n_input: usize, zeta: f64) -> Modes {
         outputs: DMatrix::from_fn(3, n, |i, r| felt(r) * wave(i, r, 0.2)),
         inputs: DMatrix::from_fn(n_input, n, |i, r| felt(r) * wave(i, r, 0.9)),
         direct: DMatrix::from_fn(3, n_input, |i, j| 1e-10 * (1.0 + i as f64 + 2.0 * j as f64)),
+        dissipation: None,
         direct_loss_factor: 0.0,
     }
 }

@@ -18,6 +18,7 @@ fn made(position: f64, mut pairs: Vec<(f64, Vec<f64>)>) -> Modes {
         outputs: shapes.clone(),
         inputs: shapes.clone(),
         direct: DMatrix::zeros(n, n),
+        dissipation: None,
         direct_loss_factor: 0.0,
         shapes,
     }

@@ -25,6 +25,7 @@ fn modes(position: usize) -> Modes {
         outputs: shapes.clone(),
         inputs: shapes,
         direct: DMatrix::identity(3, 3) * 2e-10,
+        dissipation: None,
         direct_loss_factor: 0.0,
     }
 }

@@ -120,6 +120,7 @@ fn side_by_side(position: f64) -> StateSpace {
         inputs: outputs.clone(),
         outputs,
         direct: DMatrix::zeros(3, 3),
+        dissipation: None,
         direct_loss_factor: 0.0,
         shapes: eigen.vectors,
     };
