@@ -176,9 +176,8 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             TRUNCATION,
         ));
     }
-    let projection = progress.stage("projection of the damping", 0, |_| {
-        pipeline::projection_error(&machine, &model, &axes.positions, highest)
-    })?;
+    let projection = progress
+        .stage("projected modes", 0, |_| pipeline::projection_error(&machine, &model, &axes.positions, highest))?;
     let what =
         if machine.analysis.damping.projected { "all results take" } else { "state_space.mat and the page take" };
     let projected = projection.as_ref().and_then(|p| p.warning(what));

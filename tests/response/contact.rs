@@ -26,7 +26,15 @@ impl Mass {
     }
 
     fn element(&self, law: Law) -> Element {
-        Element { joint: "guide".into(), law, row: vec![self.m.sqrt().recip()], flexibility: 0.0 }
+        Element {
+            joint: "guide".into(),
+            law,
+            row: vec![self.m.sqrt().recip()],
+            flexibility: 0.0,
+            towards: vec![],
+            outputs: vec![],
+            inputs: vec![],
+        }
     }
 
     /// From a place and a speed.
@@ -221,4 +229,104 @@ fn two_joints_that_share_a_mass_hold_together() {
     push.values.iter_mut().for_each(|f| *f = 12.0);
     let slides = simulate_contact(&mass.plant(), &elements, &push, Recording::default(), None, &Interrupt::default());
     assert!(slides.unwrap().history.displacement[99] > 1e-3, "control: 12 N are more than both hold");
+}
+
+/// Four modes, two of them too fast for most rates, two joints, a flexibility that no mode carries, and two outputs.
+struct Elastic {
+    plant: Plant,
+    elements: Vec<Element>,
+}
+
+impl Elastic {
+    fn new(laws: [Law; 2]) -> Self {
+        let outputs = DMatrix::from_row_slice(2, 4, &[1.0, 0.5, -0.8, 0.3, 0.4, -0.9, 0.7, 1.1]);
+        let inputs = outputs.rows(0, 1).into_owned();
+        let plant = Plant {
+            position: 0.0,
+            omega: vec![300.0, 900.0, 3e4, 1.5e5],
+            zeta: vec![0.05; 4],
+            outputs,
+            inputs,
+            direct: DMatrix::from_column_slice(2, 1, &[2e-10, 1e-10]),
+        };
+        let rows = [[0.9, -0.4, 0.6, 1.2], [0.2, 1.0, 0.9, -0.7]];
+        let element = |k: usize| Element {
+            joint: format!("guide {k}"),
+            law: laws[k],
+            row: rows[k].to_vec(),
+            flexibility: 4e-10,
+            towards: if k == 0 { vec![4e-10, 1e-10] } else { vec![1e-10, 4e-10] },
+            outputs: vec![1.5e-10, 0.5e-10],
+            inputs: vec![1.5e-10],
+        };
+        Self { plant, elements: vec![element(0), element(1)] }
+    }
+
+    fn still(&self, a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64) -> f64 {
+        (0..4).map(|r| a(r) * b(r) / self.plant.omega[r].powi(2)).sum()
+    }
+
+    /// Displacements of the outputs under a constant force with both joints held, by eliminating them.
+    fn held(&self, force: f64) -> Vec<f64> {
+        let e = |k: usize| move |r: usize| self.elements[k].row[r];
+        let between = DMatrix::from_fn(2, 2, |a, b| self.still(&e(a), &e(b)) + self.elements[a].towards[b]);
+        let input = |r: usize| self.plant.inputs[(0, r)];
+        let free = DMatrix::from_fn(2, 1, |a, _| force * (self.still(&e(a), &input) + self.elements[a].inputs[0]));
+        let lambda = between.lu().solve(&free).unwrap();
+        let output = |i: usize| {
+            let own = |r: usize| self.plant.outputs[(i, r)];
+            let joints: f64 =
+                (0..2).map(|k| (self.still(&own, &e(k)) + self.elements[k].outputs[i]) * lambda[(k, 0)]).sum();
+            force * (self.still(&own, &input) + self.plant.direct[(i, 0)]) - joints
+        };
+        vec![output(0), output(1)]
+    }
+
+    fn last(&self, force: f64, rate: f64) -> (Vec<f64>, ContactHistory) {
+        let mut ramp = nothing(2.0, rate);
+        let n = ramp.samples();
+        (0..n).for_each(|k| ramp.values[k] = force * (k as f64 / (0.25 * n as f64)).min(1.0));
+        let run =
+            simulate_contact(&self.plant, &self.elements, &ramp, Recording::default(), None, &Interrupt::default())
+                .unwrap();
+        (run.history.displacement[2 * (n - 1)..].to_vec(), run)
+    }
+}
+
+#[test]
+fn joints_that_hold_answer_statically_at_every_rate() {
+    let machine = Elastic::new([coulomb(1e9), coulomb(1e9)]);
+    let expected = machine.held(1000.0);
+    for rate in [1000.0, 2000.0, 20_000.0] {
+        let (found, run) = machine.last(1000.0, rate);
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found / expected - 1.0).abs() < 1e-3, "at {rate} Hz: {found:e} {expected:e}");
+        }
+        let slip = run.relative[run.relative.len() - 2..].iter().fold(0.0f64, |m, e| m.max(e.abs()));
+        assert!(slip < 1e-3 * expected[0].abs(), "at {rate} Hz: slip {slip:e}");
+    }
+    // Joints that slide at once give the free machine, which is something else.
+    let (free, _) = Elastic::new([coulomb(1e-6), coulomb(1e-6)]).last(1000.0, 20_000.0);
+    assert!((free[0] / expected[0] - 1.0).abs() > 0.1, "{free:?} {expected:?}");
+}
+
+#[test]
+fn what_stands_beside_a_play_moves_as_statics_say() {
+    // Play of 4 um behind springs of the machine: the outputs differ by what the joint's tension moves them.
+    let stiffness = 2e7;
+    let gap = 4e-6;
+    let machine = Elastic::new([Law::Backlash { gap, stiffness }, coulomb(1e-6)]);
+    let without = Elastic::new([Law::Backlash { gap: 0.0, stiffness }, coulomb(1e-6)]);
+    for rate in [4000.0, 20_000.0] {
+        let ((with, run), (plain, _)) = (machine.last(1000.0, rate), without.last(1000.0, rate));
+        let lambda = run.tension[run.tension.len() - 2];
+        assert!((lambda.abs() / (stiffness * gap / 2.0) - 1.0).abs() < 1e-9, "the play is taken up: {lambda}");
+        for i in 0..2 {
+            let own = |r: usize| machine.plant.outputs[(i, r)];
+            let joint = |r: usize| machine.elements[0].row[r];
+            let expected = -lambda * (machine.still(&own, &joint) + machine.elements[0].outputs[i]);
+            let found = with[i] - plain[i];
+            assert!((found / expected - 1.0).abs() < 1e-2, "output {i} at {rate} Hz: {found:e} {expected:e}");
+        }
+    }
 }

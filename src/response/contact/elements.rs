@@ -30,6 +30,19 @@ pub struct Element {
     pub row: Vec<f64>,
     /// Flexibility of the joint's own sides that no mode carries, m/N.
     pub flexibility: f64,
+    /// The same towards every element, its own among them; empty where there is none towards others.
+    pub towards: Vec<f64>,
+    /// The same towards every output of the plant; empty for none.
+    pub outputs: Vec<f64>,
+    /// The same towards every input of the plant; empty for none.
+    pub inputs: Vec<f64>,
+}
+
+impl Element {
+    /// Flexibility towards element k, which is number `own` itself, m/N.
+    pub(super) fn towards(&self, own: usize, k: usize) -> f64 {
+        if own == k { self.flexibility } else { self.towards.get(k).copied().unwrap_or(0.0) }
+    }
 }
 
 impl Friction {
@@ -54,6 +67,7 @@ pub fn elements(
     let kept: Vec<usize> = (0..modes.eigenvalues.len()).filter(|&r| r >= modes.free || modes.is_felt(r)).collect();
     let shapes = modes.shapes.select_columns(&kept);
     let mut out = Vec::new();
+    let mut rows = Vec::new();
     let mut spring = 0;
     for joint in model.joints() {
         let first = spring;
@@ -69,12 +83,22 @@ pub fn elements(
             Contact::Friction(friction) => Law::Friction(friction),
             Contact::Backlash(gap) => Law::Backlash { gap, stiffness: stiffness[row] },
         };
+        rows.push(row);
         out.push(Element {
             joint: joint.name.clone(),
             law,
             row: motion.iter().copied().collect(),
             flexibility: residual[(row, row)],
+            towards: Vec::new(),
+            outputs: Vec::new(),
+            inputs: Vec::new(),
         });
+    }
+    let (springs, ports) = (at.springs.nrows(), at.outputs.nrows());
+    for (element, &row) in out.iter_mut().zip(&rows) {
+        element.towards = rows.iter().map(|&other| residual[(row, other)]).collect();
+        element.outputs = (springs..springs + ports).map(|k| residual[(row, k)]).collect();
+        element.inputs = (springs + ports..residual.ncols()).map(|k| residual[(row, k)]).collect();
     }
     Ok(out)
 }

@@ -15,12 +15,15 @@
 //! does not creep, and nothing is regularised. A reversal of sliding inside a step is located on the
 //! exact flow and the step is split there, so that stopping is where and when it is, not at a sample.
 //!
-//! What the basis does not carry of a friction joint's own surface flexibility is left out; that of a
-//! screw stands in series with its play.
+//! The flexibility that no mode carries, and that of modes too fast for the step, belongs to the contacts: a joint's
+//! relative motion is e = j . z + c_u u - sum c lambda, over all contacts, and outputs and inputs feel it alike. A joint
+//! that holds takes its mean motion over a step from both ends (the trapezoidal rule) as long as its own oscillation
+//! is resolved, and from the end where its sides are too stiff for that; without flexibility it stops where it is.
 //!
 //! Source: Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems, Springer 2008, ch. 10.
 
 mod elements;
+mod reduced;
 mod run;
 mod solve;
 

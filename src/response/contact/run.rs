@@ -1,5 +1,6 @@
 //! Stepping with friction and backlash.
 
+use super::reduced::reduced;
 use super::solve::{Branch, Problem, Solution, solve};
 use super::{Element, Law};
 use crate::interrupt::Interrupt;
@@ -44,15 +45,18 @@ pub struct ContactHistory {
     pub events: Vec<Event>,
 }
 
-/// The largest omega h of a mode that takes part; stiffer ones follow statically.
-const HIGHEST_PHASE: f64 = 2.0;
 /// Reversals that are located in one step; further ones wait for its end.
 const SPLITS: usize = 8;
+/// Share of a holding joint's drift that is taken back in a step.
+const RECOVERED: f64 = 0.2;
 
 /// What a step of a given length does.
 struct Span {
     steps: Vec<ModeStep>,
     influence: DMatrix<f64>,
+    time: f64,
+    /// Weight of a step's end for the motion that friction sees: 1/2 is the trapezoidal rule, 1 the end alone.
+    end: f64,
 }
 
 struct Stepper<'a> {
@@ -60,8 +64,10 @@ struct Stepper<'a> {
     elements: &'a [Element],
     q: Vec<f64>,
     v: Vec<f64>,
-    /// Backlash tensions at the end of the last step.
+    /// Tensions at the end of the last step.
     held: Vec<f64>,
+    /// Where each joint with friction holds, m.
+    anchors: Vec<f64>,
     branches: Vec<Branch>,
     events: Vec<Event>,
 }
@@ -92,6 +98,7 @@ pub fn simulate_contact(
         q: start(0),
         v: start(1),
         held: vec![0.0; elements.len()],
+        anchors: vec![0.0; elements.len()],
         branches: Vec::new(),
         events: Vec::new(),
         elements: &elements,
@@ -124,40 +131,12 @@ pub fn simulate_contact(
     Ok(out)
 }
 
-/// The modes that take part; the static compliance of the others goes to the direct one.
-fn reduced(plant: &Plant, elements: &[Element], h: f64) -> (Plant, Vec<Element>) {
-    let kept: Vec<usize> = (0..plant.omega.len()).filter(|r| plant.omega[*r] * h <= HIGHEST_PHASE).collect();
-    let mut direct = plant.direct.clone();
-    for r in (0..plant.omega.len()).filter(|r| plant.omega[*r] * h > HIGHEST_PHASE) {
-        direct += plant.outputs.column(r) * plant.inputs.column(r).transpose() / plant.omega[r].powi(2);
-    }
-    let own = |e: &Element| Element {
-        row: kept.iter().map(|&r| e.row[r]).collect(),
-        flexibility: match e.law {
-            Law::Friction(_) => 0.0,
-            Law::Backlash { .. } => {
-                let stiff = (0..plant.omega.len()).filter(|r| plant.omega[*r] * h > HIGHEST_PHASE);
-                e.flexibility + stiff.map(|r| (e.row[r] / plant.omega[r]).powi(2)).sum::<f64>()
-            }
-        },
-        ..e.clone()
-    };
-    let reduced = Plant {
-        position: plant.position,
-        omega: kept.iter().map(|&r| plant.omega[r]).collect(),
-        zeta: kept.iter().map(|&r| plant.zeta[r]).collect(),
-        outputs: plant.outputs.select_columns(&kept),
-        inputs: plant.inputs.select_columns(&kept),
-        direct,
-    };
-    (reduced, elements.iter().map(own).collect())
-}
-
 impl Stepper<'_> {
     /// Branches and backlash tensions of the initial state.
     fn begin(&mut self) {
         for (i, element) in self.elements.iter().enumerate() {
             let dot = |x: &[f64]| element.row.iter().zip(x).map(|(a, b)| a * b).sum::<f64>();
+            self.anchors[i] = dot(&self.q);
             self.branches.push(match element.law {
                 Law::Friction(_) => match dot(&self.v) {
                     0.0 => Branch::Sticks,
@@ -183,15 +162,26 @@ impl Stepper<'_> {
     fn span(&self, time: f64) -> Result<Span, ResponseError> {
         let steps = self.plant.steps(time);
         let m = self.elements.len();
-        let influence = DMatrix::from_fn(m, m, |a, b| {
-            let row = usize::from(matches!(self.elements[a].law, Law::Friction(_)));
-            let weight = |s: &ModeStep| match self.elements[b].law {
-                Law::Friction(_) => s.constant[row],
-                Law::Backlash { .. } => s.to[row],
-            };
+        let rubs = |i: usize| matches!(self.elements[i].law, Law::Friction(_));
+        let modal = |a: usize, b: usize| {
+            let row = usize::from(rubs(a));
+            let weight = |s: &ModeStep| if rubs(b) { s.constant[row] } else { s.to[row] };
             let (x, y) = (&self.elements[a].row, &self.elements[b].row);
-            let own = if a == b { self.elements[a].flexibility } else { 0.0 };
-            own + steps.iter().zip(x.iter().zip(y)).map(|(s, (x, y))| x * weight(s) * y).sum::<f64>()
+            steps.iter().zip(x.iter().zip(y)).map(|(s, (x, y))| x * weight(s) * y).sum::<f64>()
+        };
+        // The trapezoidal rule as long as the contact's own oscillation is resolved; what is stiffer follows the end.
+        let stiffness = |i: usize| time * modal(i, i) / self.elements[i].flexibility;
+        let stiffest = (0..m).filter(|&i| rubs(i)).map(stiffness).fold(0.0, f64::max);
+        let end = if stiffest > 4.0 { 1.0 - 1.0 / stiffest.max(8.0).sqrt().max(2.0) } else { 0.5 };
+        let end = if stiffest.is_finite() { end } else { 1.0 };
+        let influence = DMatrix::from_fn(m, m, |a, b| {
+            let own = self.elements[a].towards(a, b);
+            match (rubs(a), rubs(b)) {
+                (true, true) => end * modal(a, b) + own / (end * time),
+                (true, false) => end * modal(a, b) + own / time,
+                (false, true) => modal(a, b) + own / end,
+                (false, false) => modal(a, b) + own,
+            }
         });
         for (i, element) in self.elements.iter().enumerate() {
             let problem = match element.law {
@@ -203,7 +193,7 @@ impl Stepper<'_> {
             };
             return Err(ResponseError::Contact { joint: element.joint.clone(), problem: problem.into(), step: time });
         }
-        Ok(Span { steps, influence })
+        Ok(Span { steps, influence, time, end })
     }
 
     /// One sample's step, split where sliding reverses; returns the tensions at its end.
@@ -289,10 +279,37 @@ impl Stepper<'_> {
         e.row.iter().zip(of).map(|(a, b)| a * b).sum()
     }
 
+    /// Relative motion e of an element under forces u, m.
+    fn relative(&self, i: usize, u: &[f64]) -> f64 {
+        let e = &self.elements[i];
+        let motion: f64 = e.row.iter().zip(&self.q).map(|(a, b)| a * b).sum();
+        let ports: f64 = e.inputs.iter().zip(u).map(|(c, u)| c * u).sum();
+        motion + ports - self.held.iter().enumerate().map(|(k, l)| e.towards(i, k) * l).sum::<f64>()
+    }
+
     fn solution(&self, span: &Span, time: f64, from: &[f64], to: &[f64]) -> Result<Solution, ResponseError> {
         let (q, v) = self.flow(&span.steps, from, to, None);
         let m = self.elements.len();
-        let free = DVector::from_fn(m, |i, _| self.seen(i, &q, &v));
+        let rubs = |i: usize| matches!(self.elements[i].law, Law::Friction(_));
+        let end = span.end;
+        let free = DVector::from_fn(m, |i, _| {
+            let e = &self.elements[i];
+            let by_ports = |u: &[f64]| e.inputs.iter().zip(u).map(|(c, u)| c * u).sum::<f64>();
+            let held = |k: usize| e.towards(i, k) * self.held[k];
+            let now = self.seen(i, &q, &v);
+            if rubs(i) {
+                let before = if end < 1.0 { (1.0 - end) * self.seen(i, &self.q, &self.v) } else { 0.0 };
+                let recovers = |k: usize| if rubs(k) { held(k) / (end * span.time) } else { held(k) / span.time };
+                let ports = (by_ports(to) - by_ports(from)) / span.time;
+                // A sum of speeds drifts from the place where the joint holds; a share of it is taken back each step.
+                let drift =
+                    if e.flexibility > 0.0 { RECOVERED * (self.relative(i, from) - self.anchors[i]) } else { 0.0 };
+                before + end * now + ports + drift / span.time + (0..m).map(recovers).sum::<f64>()
+            } else {
+                let before = |k: usize| if rubs(k) { (1.0 - end) / end * held(k) } else { 0.0 };
+                now + by_ports(to) + (0..m).map(before).sum::<f64>()
+            }
+        });
         let speeds: Vec<f64> = (0..m).map(|i| self.seen(i, &self.q, &self.v).abs()).collect();
         let problem = Problem { free, influence: span.influence.clone() };
         solve(&problem, self.elements, &self.branches, &speeds).ok_or_else(|| ResponseError::Contact {
@@ -307,7 +324,9 @@ impl Stepper<'_> {
         let mut lambda = solution.lambda.as_slice().to_vec();
         let mut turning = Vec::new();
         for (i, element) in self.elements.iter().enumerate() {
+            // A joint whose sides give comes to rest while its force falls, without a jump that had to be located.
             if let (Law::Friction(f), Branch::Slides(s)) = (&element.law, self.branches[i])
+                && element.flexibility == 0.0
                 && solution.branches[i] != Branch::Slides(s)
             {
                 let speed = self.seen(i, &self.q, &self.v);
@@ -351,9 +370,11 @@ impl Stepper<'_> {
         let (q, v) = self.flow(&span.steps, from, to, Some(lambda));
         (self.q, self.v) = (q, v);
         for (i, element) in self.elements.iter().enumerate() {
-            if matches!(element.law, Law::Backlash { .. }) {
-                self.held[i] = lambda[i];
-            }
+            self.held[i] = match (element.law, solution.branches[i]) {
+                // Friction's tension is the mean over the step; of a joint that holds, its end follows from its beginning.
+                (Law::Friction(_), Branch::Sticks) => (lambda[i] - (1.0 - span.end) * self.held[i]) / span.end,
+                _ => lambda[i],
+            };
             let kind = match (self.branches[i], solution.branches[i]) {
                 (Branch::Slides(_), Branch::Sticks) => EventKind::Stops,
                 (Branch::Sticks, Branch::Slides(_)) => EventKind::Slides,
@@ -363,6 +384,11 @@ impl Stepper<'_> {
             };
             self.events.push(Event { time, element: i, kind });
         }
+        for i in 0..self.elements.len() {
+            if solution.branches[i] != Branch::Sticks {
+                self.anchors[i] = self.relative(i, to);
+            }
+        }
         self.branches.clone_from(&solution.branches);
     }
 
@@ -370,7 +396,10 @@ impl Stepper<'_> {
         let p = &self.plant;
         for i in 0..p.outputs.nrows() {
             let sum = |x: &dyn Fn(usize) -> f64| (0..p.omega.len()).map(|r| p.outputs[(i, r)] * x(r)).sum::<f64>();
-            let direct: f64 = u.iter().enumerate().map(|(j, u)| p.direct[(i, j)] * u).sum();
+            let of_ports: f64 = u.iter().enumerate().map(|(j, u)| p.direct[(i, j)] * u).sum();
+            let of_joints: f64 =
+                self.elements.iter().zip(&self.held).map(|(e, l)| e.outputs.get(i).copied().unwrap_or(0.0) * l).sum();
+            let direct = of_ports - of_joints;
             out.history.displacement.push(sum(&|r| self.q[r]) + direct);
             if let Some(list) = &mut out.history.velocity {
                 list.push(sum(&|r| self.v[r]));
@@ -385,9 +414,8 @@ impl Stepper<'_> {
                 }));
             }
         }
-        for (e, l) in self.elements.iter().zip(tension) {
-            let motion: f64 = e.row.iter().zip(&self.q).map(|(a, b)| a * b).sum();
-            out.relative.push(motion - e.flexibility * l);
+        for (i, l) in tension.iter().enumerate() {
+            out.relative.push(self.relative(i, u));
             out.tension.push(*l);
         }
     }
