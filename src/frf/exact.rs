@@ -156,8 +156,9 @@ impl Packed<'_> {
                 if exact.is_complex {
                     let both = list(entry(row + half.0, column + half.1));
                     let (first, second) = (list(entry(row, column + half.1)), list(entry(row + half.0, column)));
-                    for d in 0..3 {
-                        value[d] += Complex::new(0.0, 1.0) * (first[d] + second[d]) - both[d];
+                    let rest = first.iter().zip(&second).zip(&both);
+                    for (value, ((first, second), both)) in value.iter_mut().zip(rest) {
+                        *value += Complex::new(0.0, 1.0) * (first + second) - both;
                     }
                 }
                 n[a * (1 + s) + b] = value;

@@ -384,8 +384,8 @@ impl Stepper<'_> {
             };
             self.events.push(Event { time, element: i, kind });
         }
-        for i in 0..self.elements.len() {
-            if solution.branches[i] != Branch::Sticks {
+        for (i, branch) in solution.branches.iter().enumerate() {
+            if *branch != Branch::Sticks {
                 self.anchors[i] = self.relative(i, to);
             }
         }
