@@ -70,7 +70,7 @@ impl ModesRoute<'_> {
                 design(&moved)
             };
             if values[variable] == 0.0 {
-                return self.from_zero(&metrics, &beside);
+                return self.differenced_at_zero(&metrics, &beside);
             }
             let step = STEP * values[variable].abs();
             let (below, above) = (beside(-step)?, beside(step)?);
@@ -87,7 +87,7 @@ impl ModesRoute<'_> {
 
     /// Differences of second order to one side of a variable at zero, whose scale is not known: the step grows until
     /// it is felt.
-    fn from_zero(
+    fn differenced_at_zero(
         &self,
         here: &[PositionMetrics],
         beside: &dyn Fn(f64) -> Result<Design, SweepError>,
@@ -310,7 +310,7 @@ fn is_analytic(design: &Design) -> bool {
         .joints
         .iter()
         .any(|j| j.loss_factor.is_some_and(|eta| eta > 0.0) || j.springs.iter().any(|s| s.damping > 0.0));
-    !parts && !(joints && machine.analysis.damping.projected)
+    !(parts || joints && machine.analysis.damping.projected)
 }
 
 /// Whether two designs differ in nothing but their springs' stiffness.
