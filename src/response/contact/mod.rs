@@ -26,6 +26,7 @@ mod elements;
 mod reduced;
 mod run;
 mod solve;
+mod span;
 
 pub use elements::{Element, Law, elements};
 pub use run::{ContactHistory, Event, EventKind, simulate_contact};

@@ -2,11 +2,12 @@
 
 use super::reduced::reduced;
 use super::solve::{Branch, Problem, Solution, solve};
+use super::span::Span;
 use super::{Element, Law};
 use crate::interrupt::Interrupt;
 use crate::response::{Forces, History, Plant, Recording, ResponseError};
 use crate::state_space::ModeStep;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// What happened to a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,15 +50,6 @@ pub struct ContactHistory {
 const SPLITS: usize = 8;
 /// Share of a holding joint's drift that is taken back in a step.
 const RECOVERED: f64 = 0.2;
-
-/// What a step of a given length does.
-struct Span {
-    steps: Vec<ModeStep>,
-    influence: DMatrix<f64>,
-    time: f64,
-    /// Weight of a step's end for the motion that friction sees: 1/2 is the trapezoidal rule, 1 the end alone.
-    end: f64,
-}
 
 struct Stepper<'a> {
     plant: Plant,
@@ -105,7 +97,7 @@ pub fn simulate_contact(
         plant,
     };
     stepper.begin();
-    let whole = stepper.span(h)?;
+    let whole = Span::new(&stepper.plant, &elements, h)?;
     let (m, n_inputs) = (elements.len(), forces.inputs.len());
     let mut out = ContactHistory {
         history: History { step: h, n_outputs: stepper.plant.outputs.nrows(), ..History::default() },
@@ -158,44 +150,6 @@ impl Stepper<'_> {
         }
     }
 
-    /// Steps of all modes over a time, and what a unit tension does by its end.
-    fn span(&self, time: f64) -> Result<Span, ResponseError> {
-        let steps = self.plant.steps(time);
-        let m = self.elements.len();
-        let rubs = |i: usize| matches!(self.elements[i].law, Law::Friction(_));
-        let modal = |a: usize, b: usize| {
-            let row = usize::from(rubs(a));
-            let weight = |s: &ModeStep| if rubs(b) { s.constant[row] } else { s.to[row] };
-            let (x, y) = (&self.elements[a].row, &self.elements[b].row);
-            steps.iter().zip(x.iter().zip(y)).map(|(s, (x, y))| x * weight(s) * y).sum::<f64>()
-        };
-        // The trapezoidal rule as long as the contact's own oscillation is resolved; what is stiffer follows the end.
-        let stiffness = |i: usize| time * modal(i, i) / self.elements[i].flexibility;
-        let stiffest = (0..m).filter(|&i| rubs(i)).map(stiffness).fold(0.0, f64::max);
-        let end = if stiffest > 4.0 { 1.0 - 1.0 / stiffest.max(8.0).sqrt().max(2.0) } else { 0.5 };
-        let end = if stiffest.is_finite() { end } else { 1.0 };
-        let influence = DMatrix::from_fn(m, m, |a, b| {
-            let own = self.elements[a].towards(a, b);
-            match (rubs(a), rubs(b)) {
-                (true, true) => end * modal(a, b) + own / (end * time),
-                (true, false) => end * modal(a, b) + own / time,
-                (false, true) => modal(a, b) + own / end,
-                (false, false) => modal(a, b) + own,
-            }
-        });
-        for (i, element) in self.elements.iter().enumerate() {
-            let problem = match element.law {
-                Law::Friction(_) if influence[(i, i)] <= 0.0 => "a force on the joint does not move it",
-                Law::Backlash { stiffness, .. } if stiffness * influence[(i, i)] >= 1.0 => {
-                    "the play's spring is too stiff"
-                }
-                _ => continue,
-            };
-            return Err(ResponseError::Contact { joint: element.joint.clone(), problem: problem.into(), step: time });
-        }
-        Ok(Span { steps, influence, time, end })
-    }
-
     /// One sample's step, split where sliding reverses; returns the tensions at its end.
     fn advance(
         &mut self,
@@ -214,7 +168,7 @@ impl Stepper<'_> {
             let span = if done == 0.0 {
                 whole
             } else {
-                own = self.span(left)?;
+                own = Span::new(&self.plant, self.elements, left)?;
                 &own
             };
             let (from, to) = (force(done), after);
@@ -227,7 +181,7 @@ impl Stepper<'_> {
             splits += 1;
             // A reversal at the very beginning needs no step of its own.
             if time > 1e-9 * h {
-                let part = self.span(time)?;
+                let part = Span::new(&self.plant, self.elements, time)?;
                 let until = force(done + time);
                 let mut partial = self.solution(&part, time, &from, &until)?;
                 partial.branches[element] = Branch::Sticks;
