@@ -339,16 +339,6 @@ impl Around {
         free_motions(&self.rows, &self.rigid, &design.stiffness).ncols()
     }
 
-    /// Elongations of all springs for unit forces on outputs, then inputs, that no coordinate of a design carries,
-    /// n_springs x (n_outputs + n_inputs), m/N.
-    pub fn direct_elongations(&self, design: &AroundCoupled) -> DMatrix<f64> {
-        let s = self.springs.nrows();
-        let to_springs = self.residual.rows(0, s).into_owned();
-        let to_varied = to_springs.select_columns(&self.varied);
-        let from_ports = self.residual.columns_range(s..).into_owned().select_rows(&self.varied);
-        to_springs.columns_range(s..).into_owned() - multiply(&to_varied, &multiply(&design.series, &from_ports))
-    }
-
     /// Loads on springs, outputs and inputs that a design's coordinates, then unit loads on these rows, put on the base:
     /// n_rows x (m + n_rows).
     pub fn loads_of(&self, design: &AroundCoupled) -> DMatrix<f64> {

@@ -135,8 +135,7 @@ impl Packed<'_> {
         let weights = super::point::Weights::new(&self.system, frequency);
         let columns = exact.system.inputs.nrows();
         // The bordered matrices of value, slope and curvature for this output and input, then the springs.
-        let own = |rows: usize, k: usize| if k == 0 { None } else { Some(rows + k - 1) };
-        let place = |k: usize, ports: usize, port: usize| own(ports, k).unwrap_or(port);
+        let place = |k: usize, ports: usize, port: usize| if k == 0 { port } else { ports + k - 1 };
         let half = (exact.system.outputs.nrows() / 2, columns / 2);
         let n_pairs = self.packing.pairs.len();
         let entry = |row: usize, column: usize| {
@@ -165,17 +164,7 @@ impl Packed<'_> {
             }
         }
         let h = exact.eliminated(frequency, &n);
-        let f = frequency;
-        let mut h = Response { value: h[0], slope: h[1], curvature: h[2] };
-        for _ in 0..quantity.power() {
-            let j_tau = Complex::new(0.0, TAU);
-            h = Response {
-                value: j_tau * h.value * f,
-                slope: j_tau * (h.slope * f + h.value),
-                curvature: j_tau * (h.curvature * f + h.slope * 2.0),
-            };
-        }
-        h
+        Response { value: h[0], slope: h[1], curvature: h[2] }.as_quantity(quantity, frequency)
     }
 }
 

@@ -15,6 +15,18 @@ pub(super) struct Response {
     pub curvature: Complex<f64>,
 }
 
+impl Response {
+    /// A receptance at a frequency (Hz) as another quantity.
+    pub fn as_quantity(self, quantity: Quantity, frequency: f64) -> Response {
+        let j_tau = Complex::new(0.0, TAU);
+        (0..quantity.power()).fold(self, |h, _| Response {
+            value: j_tau * h.value * frequency,
+            slope: j_tau * (h.slope * frequency + h.value),
+            curvature: j_tau * (h.curvature * frequency + h.slope * 2.0),
+        })
+    }
+}
+
 /// The modes' weights 1/D_r and their derivatives at one frequency, for any number of pairs.
 pub(super) struct Weights {
     frequency: f64,
@@ -64,14 +76,7 @@ impl Weights {
         h.value += polynomial.value;
         h.slope += polynomial.slope;
         h.curvature += polynomial.curvature;
-        for _ in 0..quantity.power() {
-            let j_tau = Complex::new(0.0, TAU);
-            h = Response {
-                value: j_tau * h.value * f,
-                slope: j_tau * (h.slope * f + h.value),
-                curvature: j_tau * (h.curvature * f + h.slope * 2.0),
-            };
-        }
+        h = h.as_quantity(quantity, f);
         h.value += of_free_motions;
         h
     }

@@ -9,6 +9,8 @@ use serde::Serialize;
 
 /// Frequencies over the band at which responses are compared, beside those of the modes.
 const PROBES: usize = 60;
+/// Ratio and loss factor together below which a mode counts as undamped.
+const UNDAMPED: f64 = 1e-9;
 /// Share of a response's largest value from which projection is warned of.
 pub const PROJECTION_TOLD: f64 = 0.02;
 
@@ -81,7 +83,10 @@ pub fn projection_error(
         let (exact, _) = modal_systems(&modes, highest, all)?;
         let mut projected = exact.clone();
         projected[0].exact = None;
-        let in_band = exact[0].frequencies.iter().copied().filter(|f| *f > 0.0 && *f <= highest);
+        // The peak of a mode that nothing damps has no bound, and neither solution has anything to say of it.
+        let damped = |r: usize| projected[0].damping_ratios[r] + projected[0].loss_factors[r] > UNDAMPED;
+        let in_band = exact[0].frequencies.iter().copied().enumerate();
+        let in_band = in_band.filter(|(r, f)| *f > 0.0 && *f <= highest && damped(*r)).map(|(_, f)| f);
         let mut grid: Vec<f64> = (1..=PROBES).map(|k| highest * k as f64 / PROBES as f64).chain(in_band).collect();
         grid.sort_by(f64::total_cmp);
         grid.dedup();

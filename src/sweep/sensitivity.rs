@@ -127,7 +127,6 @@ impl ModesRoute<'_> {
         let modes = self.modes(prepared, here, index)?;
         let coupled = around.coupled(&values.stiffness)?;
         let elongations = multiply(&around.elongations(&coupled), &modes.shapes);
-        let direct = around.direct_elongations(&coupled);
         let residual = around.residual_of(&coupled);
         let dissipating = values.dissipating();
         let losses: Vec<f64> =
@@ -135,7 +134,6 @@ impl ModesRoute<'_> {
         let slope = Slope {
             modes: &modes,
             elongations: &elongations,
-            direct: &direct,
             residual: &residual,
             dissipating: &dissipating,
             rates: &rates,
@@ -173,8 +171,6 @@ struct Slope<'a> {
     modes: &'a Modes,
     /// n_springs x n_modes.
     elongations: &'a DMatrix<f64>,
-    /// n_springs x (n_outputs + n_inputs), m/N.
-    direct: &'a DMatrix<f64>,
     /// Compliance that no mode carries between springs, outputs and inputs, m/N.
     residual: &'a DMatrix<f64>,
     /// The springs that dissipate.
@@ -291,7 +287,7 @@ impl Slope<'_> {
         let one = |s: usize, rows: &DMatrix<f64>, row: usize, column: usize| {
             let sum: f64 =
                 elastic.clone().map(|r| self.elongations[(s, r)] * rows[(row, r)] / modes.eigenvalues[r]).sum();
-            sum + self.direct[(s, column)]
+            sum + self.residual[(s, self.elongations.nrows() + column)]
         };
         let springs = self.rates.iter().enumerate().filter(|(_, rate)| **rate != 0.0);
         let rate = |(s, rate): (usize, &f64)| {
