@@ -248,7 +248,7 @@ fn complex_modes(
     out.residual = system.residual.iter().map(grown).collect();
     if let Some(still) = out.residual.first_mut() {
         // Of first order in the loss, and exact where all of this flexibility has one loss factor.
-        let mean = parts.direct.trace() / d.direct.trace().max(f64::MIN_POSITIVE);
+        let mean = parts.direct.dot(&d.direct) / d.direct.norm_squared().max(f64::MIN_POSITIVE);
         for (i, j) in (0..d.direct.nrows()).flat_map(|i| (0..d.direct.ncols()).map(move |j| (i, j))) {
             still[(i, j)] -= Complex::new(0.0, parts.direct[(i, j)]) / Complex::new(1.0, mean);
         }

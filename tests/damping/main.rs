@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use stiffmap::coupling::{BasisOptions, CoupledModel, couple};
 use stiffmap::frf::metrics::{direct_pairs, metrics};
 use stiffmap::frf::{FrfRequest, Quantity, Selection, modal_sum, modal_systems};
-use stiffmap::machine::{Damping, Machine, Motion};
+use stiffmap::machine::{Damping, Machine, Motion, Port};
 use stiffmap::modal::modes_at;
 use support::slide::Slide;
 
@@ -47,6 +47,16 @@ fn models() -> Vec<(&'static str, Machine, Slide)> {
         (name, machine, slide)
     };
     kinds.map(one).into()
+}
+
+/// The last of them with a sensor beside the tool: outputs that are not inputs.
+fn with_sensor() -> (Machine, Slide) {
+    let (_, mut machine, slide) = models().pop().expect("models");
+    let tool = machine.ports[0].clone();
+    let interface = support::slide::side(1, 1);
+    let directions = tool.directions[..2].to_vec();
+    machine.ports.insert(0, Port { name: "sensor".into(), interface, directions, input: false, output: true });
+    (machine, slide)
 }
 
 /// H at a frequency (Hz), by one complex solve of all superelement coordinates.
@@ -167,4 +177,13 @@ fn maps_and_peaks_are_those_of_the_damped_equations() {
         let couples = !["ratio", "Rayleigh", "loss factor of the machine"].contains(&name);
         assert_eq!(projected > 3e-3, couples, "{name}: projected {projected:e}");
     }
+}
+
+#[test]
+fn outputs_that_are_not_inputs_have_exact_responses_too() {
+    let (machine, slide) = with_sensor();
+    let [norm, peak] = differences(&machine, &slide, false);
+    assert!(norm < 1e-3 && peak < 1e-3, "{norm:e} {peak:e}");
+    let [projected, _] = differences(&machine, &slide, true);
+    assert!(projected > 3e-3, "{projected:e}");
 }
