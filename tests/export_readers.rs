@@ -104,6 +104,7 @@ fn state(position: f64, n: usize, n_out: usize, n_in: usize, rows: usize) -> Sta
         eigenvalues: (0..n).map(|r| 1e4 * (r + 1) as f64).collect(),
         eigenvectors: fill(n, n_out, 4.5),
         damping: vec![0.02; n],
+        dampers: nalgebra::DMatrix::zeros(0, n),
     }
 }
 

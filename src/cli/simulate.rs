@@ -90,6 +90,9 @@ pub struct Arguments {
 /// the bundled mill the basis then differs from the superelements side by side by 1e-7 of the peak.
 const BASIS: f64 = 1.5;
 
+/// Positions between the tabulated ones of a path at which its machine is compared with the modes there.
+const PROBES: usize = 8;
+
 /// Runs a simulation.
 pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let mut progress = Progress::new(arguments.json);
@@ -285,18 +288,23 @@ impl Arguments {
         progress: &mut Progress,
         interrupt: &Interrupt,
     ) -> Result<Found> {
-        let options = PathOptions::up_to(self.highest(machine));
-        let range = path.range();
+        let options = PathOptions::default();
         let damping = &machine.analysis.damping;
-        let along = progress.stage("basis of the path", PathModel::reported_steps(range, options), |step| {
-            PathModel::new(model, damping, range, options, interrupt, step)
+        let along = progress.stage("stations of the path", PathModel::reported_steps(path, options), |step| {
+            PathModel::new(model, damping, path, options, interrupt, step)
         })?;
+        let between = along.difference(model, damping, self.highest(machine), PROBES)?;
         let stepping = TravelOptions { recording: self.recording(), ..TravelOptions::default() };
         let holds = forces.samples().div_ceil(stepping.hold);
         let result = progress.stage("travel", holds, |step| travel(&along, path, forces, stepping, interrupt, step))?;
-        manifest.counts.push("path_basis_coordinates", along.n() as u64);
+        manifest.counts.push("path_coordinates", along.n() as u64);
+        manifest.counts.push("path_stations", along.stations() as u64);
         let name = "energy balance along the path, share of the largest energy";
         manifest.checks.push(figure(name, result.energy.closure(), 1e-6));
+        let name = "machine of the path against modes at its own positions, share of an eigenvalue";
+        manifest.checks.push(figure(name, between, 1e-4));
+        let name = "frequencies along the path, share by which the step shifts them";
+        manifest.checks.push(figure(name, result.frequency_error, 1e-4));
         Ok(Found::Along(Box::new(result)))
     }
 

@@ -355,6 +355,14 @@ impl CoupledModel {
         })
     }
 
+    /// The rows W of [`Coupled::roots`] in the one form that is smooth over the positions, n_active x n.
+    ///
+    /// # Errors
+    /// [`CouplingError::Basis`] if a stiffness is not finite.
+    pub fn smooth_roots(&self, at: &AtPosition, stiffness: &[f64]) -> Result<DMatrix<f64>, CouplingError> {
+        Ok(multiply_transposed(&Series::new(&at.residual_factor, stiffness)?.smooth_root(), &at.springs))
+    }
+
     /// K = Lambda + W^T W as one matrix, n x n, for those who need it whole; see [`Coupled::roots`].
     pub fn stiffness_matrix(&self, coupled: &Coupled) -> DMatrix<f64> {
         let mut full = multiply_transposed(&coupled.roots, &coupled.roots);

@@ -39,6 +39,23 @@ impl Series {
         Ok(Self { active, soft, root, complement: graded.rest })
     }
 
+    /// The one S with D' = S S^T that is lower triangular with a positive diagonal over the active springs: while D'
+    /// changes smoothly, so does it. n_springs x n_active.
+    pub fn smooth_root(&self) -> DMatrix<f64> {
+        let active = self.root.select_rows(&self.active);
+        let mut upper = active.transpose().qr().r();
+        for mut row in upper.row_iter_mut() {
+            if let Some(first) = row.iter().find(|x| **x != 0.0).copied().filter(|x| *x < 0.0) {
+                row *= first.signum();
+            }
+        }
+        let mut root = DMatrix::zeros(self.root.nrows(), self.root.ncols());
+        for (k, &s) in self.active.iter().enumerate() {
+            root.row_mut(s).copy_from(&upper.column(k).transpose());
+        }
+        root
+    }
+
     /// D', n_springs x n_springs, N/m.
     pub fn stiffness(&self) -> DMatrix<f64> {
         multiply(&self.root, &self.root.transpose())

@@ -102,3 +102,30 @@ pub(super) fn direct_rows(
     let first_input = n_springs + n_outputs;
     (with_springs(n_springs..first_input), with_springs(first_input..first_input + n_inputs))
 }
+
+/// Damping as a time response takes it, which knows no loss factor: C = diag(2 zeta_r omega_r) + G^T G.
+#[derive(Clone, Debug)]
+pub struct ViscousDamping {
+    /// zeta_r: viscous ratios, and half of every loss factor, those of joints and parts projected on the mode.
+    pub ratios: Vec<f64>,
+    /// G, a row a damper of the joints: the root of its value times its elongation, n_dampers x n. Without rows where
+    /// the dampers are projected on the modes or there is none.
+    pub dampers: DMatrix<f64>,
+}
+
+impl super::Modes {
+    /// The damping of a time response at this position.
+    pub fn viscous(&self) -> ViscousDamping {
+        let ratio = |viscous: &[f64]| viscous.iter().zip(&self.loss_factors).map(|(z, eta)| z + 0.5 * eta).collect();
+        let Some(own) = &self.dissipation else {
+            let dampers = DMatrix::zeros(0, self.eigenvalues.len());
+            return ViscousDamping { ratios: ratio(&self.damping_ratios), dampers };
+        };
+        let acting: Vec<usize> = (0..own.viscous.len()).filter(|&s| own.viscous[s] > 0.0).collect();
+        let mut dampers = own.springs.select_rows(&acting);
+        for (mut row, &s) in dampers.row_iter_mut().zip(&acting) {
+            row *= own.viscous[s].sqrt();
+        }
+        ViscousDamping { ratios: ratio(&own.damping_ratios), dampers }
+    }
+}

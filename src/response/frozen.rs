@@ -1,5 +1,6 @@
-//! The machine at a fixed position: exact recursions, mode by mode.
+//! The machine at a fixed position: exact recursions, mode by mode or, where dampers couple the modes, of all at once.
 
+use super::coupled::simulate_coupled;
 use super::kernel::{Coefficients, Run};
 use super::{Forces, ResponseError};
 use crate::frf::ModalSystem;
@@ -13,7 +14,7 @@ use std::f64::consts::TAU;
 /// The machine at a fixed position as modes between inputs and outputs.
 ///
 /// ```text
-/// q_r'' + 2 zeta_r omega_r q_r' + omega_r^2 q_r = sum_j R_jr u_j        y = L q + D u
+/// q'' + (diag(2 zeta_r omega_r) + G^T G) q' + diag(omega_r^2) q = R^T u        y = L q + D u
 /// ```
 #[derive(Clone, Debug)]
 pub struct Plant {
@@ -21,8 +22,10 @@ pub struct Plant {
     pub position: f64,
     /// omega_r, rad/s; 0 for free motions that a port feels.
     pub omega: Vec<f64>,
-    /// Damping ratio of each mode.
+    /// Damping ratio of each mode, without the dampers between modes.
     pub zeta: Vec<f64>,
+    /// Rows G of the dampers between the modes, n_damper x n; none where the modes are damped one by one.
+    pub dampers: DMatrix<f64>,
     /// L, n_output x n, kg^(-1/2).
     pub outputs: DMatrix<f64>,
     /// R, n_input x n, kg^(-1/2).
@@ -35,10 +38,12 @@ impl Plant {
     /// All modes of the fixed basis with the compliance that no mode carries: the machine itself.
     pub fn whole(modes: &Modes) -> Self {
         let kept: Vec<usize> = (0..modes.eigenvalues.len()).filter(|&r| r >= modes.free || modes.is_felt(r)).collect();
+        let viscous = modes.viscous();
         Self {
             position: modes.position,
             omega: kept.iter().map(|&r| modes.eigenvalues[r].sqrt()).collect(),
-            zeta: kept.iter().map(|&r| modes.damping_ratios[r] + 0.5 * modes.loss_factors[r]).collect(),
+            zeta: kept.iter().map(|&r| viscous.ratios[r]).collect(),
+            dampers: viscous.dampers.select_columns(&kept),
             outputs: modes.outputs.select_columns(&kept),
             inputs: modes.inputs.select_columns(&kept),
             direct: modes.direct.clone(),
@@ -52,6 +57,7 @@ impl Plant {
             position,
             omega: system.frequencies.iter().map(|f| TAU * f).collect(),
             zeta: system.damping_ratios.iter().zip(&system.loss_factors).map(|(z, eta)| z + 0.5 * eta).collect(),
+            dampers: DMatrix::zeros(0, system.frequencies.len()),
             outputs: system.outputs.clone(),
             inputs: system.inputs.clone(),
             direct: rest.unwrap_or_else(|| DMatrix::zeros(system.outputs.nrows(), system.inputs.nrows())),
@@ -64,16 +70,30 @@ impl Plant {
         Self {
             position: system.position,
             omega: system.eigenvalues.iter().map(|l| l.sqrt()).collect(),
-            zeta: system.damping.clone(),
+            zeta: system.own_damping(),
+            dampers: system.dampers.clone(),
             outputs: system.eigenvectors.transpose(),
             inputs: system.b.rows(n, n).transpose(),
             direct: system.d.rows(0, system.eigenvectors.ncols()).into_owned(),
         }
     }
 
-    /// The exact step of every mode.
+    /// Damping ratio of each mode with its own term of the dampers: these projected on the modes.
+    pub fn projected_ratios(&self) -> Vec<f64> {
+        let own = |r: usize| {
+            let dampers = self.dampers.column(r).norm_squared();
+            self.zeta[r] + if self.omega[r] > 0.0 { dampers / (2.0 * self.omega[r]) } else { 0.0 }
+        };
+        (0..self.zeta.len()).map(own).collect()
+    }
+
+    /// The exact step of every mode, dampers projected on the modes.
     pub fn steps(&self, step: f64) -> Vec<ModeStep> {
-        self.omega.iter().zip(&self.zeta).map(|(omega, zeta)| ModeStep::new(*omega, *zeta, step)).collect()
+        self.omega
+            .iter()
+            .zip(&self.projected_ratios())
+            .map(|(omega, zeta)| ModeStep::new(*omega, *zeta, step))
+            .collect()
     }
 }
 
@@ -124,11 +144,16 @@ impl History {
 /// Rounding: about 1e-13 of the peak for 20,000 samples.
 pub fn simulate(plant: &Plant, forces: &Forces, recording: Recording) -> History {
     assert_eq!(forces.inputs.len(), plant.inputs.nrows(), "one force an input");
-    let coefficients = Coefficients::new(plant, forces.step, recording);
     let (n_outputs, samples) = (plant.outputs.nrows(), forces.samples());
-    let blocks = coefficients.blocks();
-    let mut out = vec![0.0; blocks * n_outputs * samples];
-    let last = Run { coefficients: &coefficients, forces, out: &mut out }.all();
+    let blocks = 1 + usize::from(recording.velocity) + usize::from(recording.acceleration);
+    let (mut out, last) = if plant.dampers.nrows() > 0 {
+        simulate_coupled(plant, forces, recording)
+    } else {
+        let coefficients = Coefficients::new(plant, forces.step, recording);
+        let mut out = vec![0.0; blocks * n_outputs * samples];
+        let last = Run { coefficients: &coefficients, forces, out: &mut out }.all();
+        (out, last)
+    };
     if plant.direct.iter().any(|d| *d != 0.0) {
         let rows = out.chunks_exact_mut(blocks * n_outputs).zip(forces.values.chunks_exact(forces.inputs.len()));
         for (y, u) in rows {

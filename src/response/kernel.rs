@@ -23,7 +23,6 @@ pub(super) struct Coefficients {
     direct: Vec<(usize, Vec<f64>)>,
     n_modes: usize,
     rows: usize,
-    n_outputs: usize,
 }
 
 impl Coefficients {
@@ -75,13 +74,7 @@ impl Coefficients {
             direct,
             n_modes: n,
             rows: row,
-            n_outputs,
         }
-    }
-
-    /// Displacements, and velocities and accelerations if recorded.
-    pub fn blocks(&self) -> usize {
-        self.rows / self.n_outputs.max(1)
     }
 }
 

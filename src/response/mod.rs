@@ -3,7 +3,7 @@
 //! | case | how | exact |
 //! |---|---|---|
 //! | fixed position | two-by-two recursions a mode ([`simulate`]) | for forces that are straight between samples |
-//! | along a path | K(p(t)) in a basis that spans the path ([`moving`]) | second order in the step; frozen it is the row above |
+//! | along a path | K(p(t)) about the modes of stations ([`moving`]) | second order in the step; frozen it is the row above |
 //! | friction, backlash | forces fed back between the joints' reduced coordinates ([`contact`]) | Coulomb's law without regularisation |
 //!
 //! Forces are sampled ([`Forces`]) and straight lines between the samples. [`spectrum`] divides the
@@ -11,6 +11,7 @@
 //! Formulas, sources and accuracy: `docs/time_response.md`.
 
 pub mod contact;
+mod coupled;
 mod csv;
 mod force;
 mod force_text;
@@ -29,7 +30,6 @@ pub use milling::Milling;
 pub use path::Path;
 
 use crate::coupling::CouplingError;
-use crate::linalg::LinalgError;
 use crate::modal::ModalError;
 
 /// Why there is no time history.
@@ -76,13 +76,15 @@ pub enum ResponseError {
     /// The modes of a position could not be had.
     #[error(transparent)]
     Modal(#[from] ModalError),
-    /// A dense problem failed.
-    #[error("along the path, at {position} m: {source}")]
-    Dense {
+    /// The step along a path has no solution.
+    #[error(
+        "along the path, at {position} m: the step of {step:e} s has no solution; the stiffness there is not positive"
+    )]
+    Step {
         /// Position, m.
         position: f64,
-        /// What failed.
-        source: LinalgError,
+        /// Step, s.
+        step: f64,
     },
     /// The user asked to stop.
     #[error("interrupted; nothing half-written is left")]

@@ -51,6 +51,16 @@ impl Path {
         }
     }
 
+    /// The positions where it rests: before its first point, after its last, and between two points at one place; m.
+    pub fn rests(&self) -> Vec<f64> {
+        let inner = self.points.windows(2).filter(|w| w[0].1 == w[1].1).map(|w| w[0].1);
+        let mut all: Vec<f64> =
+            [self.points[0].1, self.points[self.points.len() - 1].1].into_iter().chain(inner).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    }
+
     /// When it ends, s.
     pub fn duration(&self) -> f64 {
         self.points.last().map_or(0.0, |p| p.0)

@@ -20,7 +20,7 @@
 
 use super::{Forces, History, Plant, ResponseError};
 use crate::frf::{ComplianceMap, Quantity};
-use crate::state_space::ModeStep;
+use crate::state_space::{DampedSum, ModeStep};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -200,20 +200,19 @@ impl Ring {
     }
 }
 
-/// The same response from the modes themselves: L (omega_r^2 - omega^2 + 2 j zeta_r omega_r omega)^-1 R^T w + D w.
+/// The same response from the modes themselves: L (omega_r^2 - omega^2 + 2 j zeta_r omega_r omega)^-1 R^T w + D w,
+/// with the dampers between the modes.
 pub fn modal_response(plant: &Plant, weights: &[f64], frequency: f64) -> Vec<Complex<f64>> {
-    let omega = TAU * frequency;
     let w = DMatrix::from_column_slice(weights.len(), 1, weights);
-    let mut h: Vec<Complex<f64>> = (&plant.direct * &w).iter().map(|v| Complex::new(*v, 0.0)).collect();
-    let participation = plant.inputs.transpose() * w;
-    for r in 0..plant.omega.len() {
-        let own = plant.omega[r];
-        let factor = participation[r] / Complex::new(own * own - omega * omega, 2.0 * plant.zeta[r] * own * omega);
-        for (i, h) in h.iter_mut().enumerate() {
-            *h += factor * plant.outputs[(i, r)];
-        }
-    }
-    h
+    let sum = DampedSum {
+        omega: &plant.omega,
+        zeta: &plant.zeta,
+        outputs: &plant.outputs,
+        inputs: &(w.transpose() * &plant.inputs),
+        dampers: &plant.dampers,
+    };
+    let direct = &plant.direct * &w;
+    sum.at(frequency).iter().zip(direct.iter()).map(|(h, d)| h + d).collect()
 }
 
 /// Largest difference between spectra by way of time and the modal sum from `lowest` Hz up, as a

@@ -20,19 +20,25 @@ pub struct StateSpaceOptions {
 /// Modal state space at a position.
 ///
 /// ```text
-/// A = [ 0  I ; Lambda_1  Lambda_2 ]     Lambda_1 = -diag(omega_r^2), Lambda_2 = -diag(2 zeta_r omega_r)
+/// A = [ 0  I ; Lambda_1  Lambda_2 ]     Lambda_1 = -diag(omega_r^2), Lambda_2 = -diag(2 zeta_r omega_r) - G^T G
 /// B = [ 0 ; Lambda_3 ]                  Lambda_3 = Phi^T F_u
 /// C = [ Lambda_4 0 ; 0 Lambda_4 ; Lambda_4 Lambda_1  Lambda_4 Lambda_2 ]
 /// D = [ R0 ; 0 ; Lambda_4 Lambda_3 ]    Lambda_4 = U_u Phi
 /// ```
 ///
 /// The states are the modal displacements (kg^(1/2) m), then their rates. The second and third rows of
-/// C and D are there if asked for. Free motions are left out unless a port feels them. A structural
+/// C and D are there if asked for. Free motions are left out unless a port feels them. The rows G are those of the
+/// joints' dampers between the modes ([`Modes::viscous`]); none where these are projected on the modes. A structural
 /// loss factor enters as the viscous ratio eta_r / 2, which is exact at each resonance only.
 ///
 /// # Source
 /// Ksica and Hadas, equations (4) to (11); R0 is not in the paper.
 pub fn state_space(modes: &Modes, options: StateSpaceOptions) -> StateSpace {
+    assemble(modes, &modes.viscous().dampers, options)
+}
+
+/// The same with given rows of dampers between the modes, n_damper x n.
+pub(super) fn assemble(modes: &Modes, dampers: &DMatrix<f64>, options: StateSpaceOptions) -> StateSpace {
     let elastic = (modes.free + options.modes).min(modes.eigenvalues.len());
     let kept: Vec<usize> = (0..elastic).filter(|&r| r >= modes.free || modes.is_felt(r)).collect();
     let n = kept.len();
@@ -40,14 +46,21 @@ pub fn state_space(modes: &Modes, options: StateSpaceOptions) -> StateSpace {
     let damping: Vec<f64> = kept.iter().map(|&r| modes.damping_ratios[r] + 0.5 * modes.loss_factors[r]).collect();
     let outputs = modes.outputs.select_columns(&kept);
     let inputs = modes.inputs.select_columns(&kept);
+    let dampers = dampers.select_columns(&kept);
     let (o, i) = (outputs.nrows(), inputs.nrows());
 
     let mut a = DMatrix::zeros(2 * n, 2 * n);
     let mut b = DMatrix::zeros(2 * n, i);
+    if dampers.nrows() > 0 {
+        a.view_mut((n, n), (n, n)).copy_from(&-dampers.tr_mul(&dampers));
+    }
     for r in 0..n {
         a[(r, n + r)] = 1.0;
         a[(n + r, r)] = -eigenvalues[r];
-        a[(n + r, n + r)] = -2.0 * damping[r] * eigenvalues[r].sqrt();
+        // The ratio of an elastic mode has its own term of the dampers; a free motion has no ratio.
+        if eigenvalues[r] > 0.0 {
+            a[(n + r, n + r)] = -2.0 * damping[r] * eigenvalues[r].sqrt();
+        }
     }
     b.rows_mut(n, n).copy_from(&inputs.transpose());
 
@@ -74,7 +87,20 @@ pub fn state_space(modes: &Modes, options: StateSpaceOptions) -> StateSpace {
                 c[(at + k, n + r)] = outputs[(k, r)] * a[(n + r, n + r)];
             }
         }
+        if dampers.nrows() > 0 {
+            c.view_mut((at, n), (o, n)).copy_from(&(&outputs * a.view((n, n), (n, n))));
+        }
         d.rows_mut(at, o).copy_from(&(&outputs * inputs.transpose()));
     }
-    StateSpace { position: modes.position, a, b, c, d, eigenvalues, eigenvectors: outputs.transpose(), damping }
+    StateSpace {
+        position: modes.position,
+        a,
+        b,
+        c,
+        d,
+        eigenvalues,
+        eigenvectors: outputs.transpose(),
+        damping,
+        dampers,
+    }
 }

@@ -12,6 +12,8 @@
 //! Source: Amsallem and Farhat, An online method for interpolating linear parametric reduced-order
 //! models, SIAM J. Sci. Comput. 33 (2011); the alignment between neighbours along a path is ours.
 
+use super::assemble::assemble;
+use super::damped_sum::DampedSum;
 use super::{StateSpace, StateSpaceError, StateSpaceOptions, state_space};
 use crate::linalg::{multiply_transposed, symmetric_eigen};
 use crate::modal::Modes;
@@ -181,7 +183,10 @@ impl Database {
             direct,
             direct_loss_factor: 0.0,
         };
-        Ok(state_space(&modes, self.options))
+        // The whole of C as rows of dampers, where it has terms between the modes.
+        let coupled = self.states.iter().any(|s| s.dampers.nrows() > 0);
+        let rows = if coupled { rows_of(&damping, position)? } else { DMatrix::zeros(0, modes.eigenvalues.len()) };
+        Ok(assemble(&modes, &rows, self.options))
     }
 }
 
@@ -246,7 +251,9 @@ fn align(modes: &[Modes], carried: usize, felt: bool) -> Result<Vec<Aligned>, St
             }
             columns * turn.transpose()
         };
-        let rate = |r: usize| 2.0 * (m.damping_ratios[r] + 0.5 * m.loss_factors[r]) * m.eigenvalues[r].sqrt();
+        let viscous = m.viscous();
+        let rate = |r: usize| 2.0 * viscous.ratios[r] * m.eigenvalues[r].sqrt();
+        let dampers = viscous.dampers.select_columns(&kept) * turn.transpose();
         let mut compliance = m.direct.clone();
         for r in m.free..m.eigenvalues.len() {
             compliance += m.outputs.column(r) * m.inputs.column(r).transpose() / m.eigenvalues[r];
@@ -254,7 +261,7 @@ fn align(modes: &[Modes], carried: usize, felt: bool) -> Result<Vec<Aligned>, St
         out.push(Aligned {
             position: m.position,
             stiffness: scaled(&|r| m.eigenvalues[r]),
-            damping: scaled(&rate),
+            damping: scaled(&rate) + dampers.tr_mul(&dampers),
             inputs: &turn * m.inputs.select_columns(&kept).transpose(),
             outputs: m.outputs.select_columns(&kept) * turn.transpose(),
             compliance,
@@ -262,6 +269,17 @@ fn align(modes: &[Modes], carried: usize, felt: bool) -> Result<Vec<Aligned>, St
         turned = Some(shapes * turn.transpose());
     }
     Ok(out)
+}
+
+/// Rows G with G^T G = C, for a damping that interpolation may have left a rounding below zero.
+fn rows_of(damping: &DMatrix<f64>, position: f64) -> Result<DMatrix<f64>, StateSpaceError> {
+    let symmetric = 0.5 * (damping + damping.transpose());
+    let eigen = symmetric_eigen(&symmetric).map_err(|source| StateSpaceError::Eigen { position, source })?;
+    let mut rows = eigen.vectors.transpose();
+    for (mut row, value) in rows.row_iter_mut().zip(eigen.values.iter()) {
+        row *= value.max(0.0).sqrt();
+    }
+    Ok(rows)
 }
 
 /// The orthogonal matrix nearest to an overlap (its polar factor).
@@ -275,12 +293,16 @@ fn nearest_turn(overlap: &DMatrix<f64>, position: f64) -> Result<DMatrix<f64>, S
 
 /// Frequencies at which two systems are compared.
 const PROBES: usize = 400;
+/// The same where dampers couple the modes, each of which costs more.
+const FEW_PROBES: usize = 60;
 
 /// Largest difference of the receptance matrices of two modal state spaces as a share of the second's
-/// peak (Frobenius norms), at 400 frequencies from 0 Hz to the second's last mode and at its own modes.
+/// peak (Frobenius norms), at 400 frequencies (60 where dampers couple the modes) from 0 Hz to the second's last mode
+/// and at its own modes.
 pub fn receptance_difference(a: &StateSpace, b: &StateSpace) -> f64 {
     let last = b.eigenvalues.iter().copied().fold(0.0, f64::max).sqrt() / TAU;
-    let grid = (1..=PROBES).map(|k| last * k as f64 / PROBES as f64);
+    let probes = if b.dampers.nrows() > 0 { FEW_PROBES } else { PROBES };
+    let grid = (1..=probes).map(|k| last * k as f64 / probes as f64);
     let own = b.eigenvalues.iter().filter(|l| **l > 0.0).map(|l| l.sqrt() / TAU);
     let (mut largest, mut peak) = (0.0f64, 0.0f64);
     for frequency in grid.chain(own) {
@@ -293,18 +315,16 @@ pub fn receptance_difference(a: &StateSpace, b: &StateSpace) -> f64 {
 
 /// C (j omega I - A)^-1 B + D of the displacement rows of a modal state space.
 pub fn receptance(system: &StateSpace, frequency: f64) -> DMatrix<Complex<f64>> {
-    let (o, n) = (system.eigenvectors.ncols(), system.eigenvalues.len());
-    let omega = TAU * frequency;
-    let mut h = system.d.rows(0, o).map(|v| Complex::new(v, 0.0));
-    for r in 0..n {
-        let l = system.eigenvalues[r];
-        let den = Complex::new(l - omega * omega, 2.0 * system.damping[r] * l.sqrt() * omega);
-        let weight = den.inv();
-        for i in 0..o {
-            for j in 0..system.b.ncols() {
-                h[(i, j)] += weight * (system.eigenvectors[(r, i)] * system.b[(n + r, j)]);
-            }
-        }
-    }
-    h
+    let o = system.eigenvectors.ncols();
+    let n = system.eigenvalues.len();
+    let direct = system.d.rows(0, o).into_owned();
+    let omega: Vec<f64> = system.eigenvalues.iter().map(|l| l.sqrt()).collect();
+    let sum = DampedSum {
+        omega: &omega,
+        zeta: &system.own_damping(),
+        outputs: &system.eigenvectors.transpose(),
+        inputs: &system.b.rows(n, n).transpose(),
+        dampers: &system.dampers,
+    };
+    sum.at(frequency) + direct.map(|v| Complex::new(v, 0.0))
 }

@@ -1,6 +1,6 @@
 //! Exact discretisation of a modal state space.
 
-use super::{ModeStep, StateSpace};
+use super::{ModeStep, StateSpace, SystemStep};
 use nalgebra::DMatrix;
 
 /// What the force does between two samples.
@@ -32,7 +32,7 @@ impl Hold {
 ///
 /// with P_0 and P the exact weights of the force at the beginning and the end of a step; with `first`
 /// the states are shifted by P u so that the form needs no u_(k+1). Mode by mode in closed form
-/// ([`ModeStep`]). `eigenvalues`, `eigenvectors` and `damping` stay those of the modes.
+/// ([`ModeStep`]), or all at once where dampers couple the modes ([`SystemStep`]). `eigenvalues`, `eigenvectors` and `damping` stay those of the modes.
 ///
 /// # Panics
 /// If the sample time is not positive or the system is not in the modal form of [`super::state_space`].
@@ -43,6 +43,9 @@ pub fn discretise(system: &StateSpace, sample_time: f64, hold: Hold) -> StateSpa
     let n = system.eigenvalues.len();
     assert_eq!(system.a.nrows(), 2 * n, "two states a mode");
     let i = system.b.ncols();
+    if system.dampers.nrows() > 0 {
+        return coupled(system, sample_time, hold);
+    }
     let steps: Vec<ModeStep> = system
         .eigenvalues
         .iter()
@@ -68,4 +71,29 @@ pub fn discretise(system: &StateSpace, sample_time: f64, hold: Hold) -> StateSpa
         }
     };
     StateSpace { a, b, d, ..system.clone() }
+}
+
+/// The same of a system whose modes dampers couple; displacements are scaled to rates for the exponential.
+fn coupled(system: &StateSpace, sample_time: f64, hold: Hold) -> StateSpace {
+    let n = system.eigenvalues.len();
+    let scale: Vec<f64> = system.eigenvalues.iter().map(|l| l.sqrt().max(1.0)).chain(vec![1.0; n]).collect();
+    let (mut a, mut b) = (system.a.clone(), system.b.clone());
+    for (r, factor) in scale.iter().enumerate() {
+        a.row_mut(r).scale_mut(*factor);
+        a.column_mut(r).unscale_mut(*factor);
+        b.row_mut(r).scale_mut(*factor);
+    }
+    let mut step = SystemStep::new(&a, &b, sample_time);
+    for (r, factor) in scale.iter().enumerate() {
+        step.phi.row_mut(r).unscale_mut(*factor);
+        step.phi.column_mut(r).scale_mut(*factor);
+        for block in [&mut step.constant, &mut step.from, &mut step.to] {
+            block.row_mut(r).unscale_mut(*factor);
+        }
+    }
+    let (b, d) = match hold {
+        Hold::Zero => (step.constant, system.d.clone()),
+        Hold::First => (step.from + &step.phi * &step.to, &system.d + &system.c * &step.to),
+    };
+    StateSpace { a: step.phi, b, d, ..system.clone() }
 }

@@ -2,14 +2,18 @@
 //! discretised, and databases of them over the travel.
 
 mod assemble;
+mod damped_sum;
 mod database;
 mod discrete;
 mod mode_step;
+mod system_step;
 
 pub use assemble::{StateSpaceOptions, state_space};
+pub use damped_sum::DampedSum;
 pub use database::{Aligned, Database, receptance, receptance_difference};
 pub use discrete::{Hold, discretise};
 pub use mode_step::ModeStep;
+pub use system_step::SystemStep;
 
 use crate::linalg::LinalgError;
 use nalgebra::DMatrix;
@@ -85,6 +89,21 @@ pub struct StateSpace {
     pub eigenvalues: Vec<f64>,
     /// Shapes at the outputs, n x n_output, kg^(-1/2).
     pub eigenvectors: DMatrix<f64>,
-    /// Damping ratio of each mode.
+    /// Damping ratio of each mode, its own term of dampers between modes included.
     pub damping: Vec<f64>,
+    /// Rows G of the dampers between the modes, n_damper x n; none where the modes are damped one by one. The lower right
+    /// of A is -(diag(2 zeta_r omega_r) + G^T G without its diagonal).
+    pub dampers: DMatrix<f64>,
+}
+
+impl StateSpace {
+    /// Damping ratio of each mode without the dampers between modes.
+    pub fn own_damping(&self) -> Vec<f64> {
+        let own = |(r, zeta): (usize, &f64)| {
+            let omega = self.eigenvalues[r].sqrt();
+            let dampers = self.dampers.column(r).norm_squared();
+            if dampers == 0.0 { *zeta } else { (zeta - dampers / (2.0 * omega)).max(0.0) }
+        };
+        self.damping.iter().enumerate().map(own).collect()
+    }
 }

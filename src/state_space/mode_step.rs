@@ -32,6 +32,8 @@ pub struct ModeStep {
     pub from: [f64; 2],
     /// q and q' for the force at its end.
     pub to: [f64; 2],
+    /// q and q' for a force that grows with the square of the time, to 1/2 at the end.
+    pub quadratic: [f64; 2],
 }
 
 impl ModeStep {
@@ -42,7 +44,7 @@ impl ModeStep {
     pub fn new(omega: f64, zeta: f64, step: f64) -> Self {
         assert!(omega >= 0.0 && zeta >= 0.0 && step > 0.0, "omega {omega}, zeta {zeta}, step {step}");
         let (w, c) = (omega * step, zeta * omega * step);
-        let Impulse { g, rate, first, second } = Impulse::after_one(w, zeta);
+        let Impulse { g, rate, first, second, third } = Impulse::after_one(w, zeta);
         let h = step;
         Self {
             // q from a unit displacement is g' + 2 c g = 1 - w^2 G.
@@ -50,16 +52,23 @@ impl ModeStep {
             constant: [h * h * first, h * g],
             from: [h * h * (first - second), h * (g - first)],
             to: [h * h * second, h * first],
+            quadratic: [h * h * third, h * second],
         }
+    }
+
+    /// q and q' at the end of the step, for q and q' and the force at its beginning and the force at its end.
+    pub fn advance(&self, [q, v]: [f64; 2], [from, to]: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| self.phi[i][0] * q + self.phi[i][1] * v + self.from[i] * from + self.to[i] * to)
     }
 }
 
-/// g(1), g'(1), int g, int int g in scaled time.
+/// g(1), g'(1), int g, int int g, int int int g in scaled time.
 struct Impulse {
     g: f64,
     rate: f64,
     first: f64,
     second: f64,
+    third: f64,
 }
 
 impl Impulse {
@@ -79,13 +88,14 @@ impl Impulse {
     /// g = sum t_k with (k + 2)(k + 1) t_(k+2) = -2 c (k + 1) t_(k+1) - w^2 t_k.
     fn series(w: f64, c: f64) -> Self {
         let (mut before, mut term) = (0.0, 1.0);
-        let mut out = Self { g: 0.0, rate: 0.0, first: 0.0, second: 0.0 };
+        let mut out = Self { g: 0.0, rate: 0.0, first: 0.0, second: 0.0, third: 0.0 };
         for k in 1..60 {
             let n = f64::from(k);
             out.g += term;
             out.rate += n * term;
             out.first += term / (n + 1.0);
             out.second += term / ((n + 1.0) * (n + 2.0));
+            out.third += term / ((n + 1.0) * (n + 2.0) * (n + 3.0));
             let next = -(2.0 * c * n * term + w * w * before) / ((n + 1.0) * n);
             (before, term) = (term, next);
         }
@@ -101,7 +111,8 @@ impl Impulse {
             g: difference(f64::exp),
             rate: (slow * slow.exp() - fast * fast.exp()) / apart,
             first: difference(mean_exponential),
-            second: difference(second_exponential),
+            second: difference(|r| rest_of_exponential(r, 2)),
+            third: difference(|r| rest_of_exponential(r, 3)),
         }
     }
 
@@ -115,7 +126,8 @@ impl Impulse {
         let decay = (-c).exp();
         let (g, rate) = (decay * sine, decay * (cosine - c * sine));
         let first = (1.0 - rate - 2.0 * c * g) / (w * w);
-        Self { g, rate, first, second: (1.0 - 2.0 * c * first - g) / (w * w) }
+        let second = (1.0 - 2.0 * c * first - g) / (w * w);
+        Self { g, rate, first, second, third: (0.5 - 2.0 * c * second - first) / (w * w) }
     }
 }
 
@@ -124,14 +136,19 @@ fn mean_exponential(r: f64) -> f64 {
     if r == 0.0 { 1.0 } else { r.exp_m1() / r }
 }
 
-/// (e^r - 1 - r) / r^2.
-fn second_exponential(r: f64) -> f64 {
+/// e^r without the first so many terms of its series, over r to that power: (e^r - 1 - r) / r^2 for two.
+fn rest_of_exponential(r: f64, terms: i32) -> f64 {
     if r.abs() > 0.5 {
-        return (r.exp_m1() - r) / (r * r);
+        let (mut term, mut rest) = (r, r.exp_m1());
+        for k in 1..terms {
+            rest -= term;
+            term *= r / f64::from(k + 1);
+        }
+        return rest / r.powi(terms);
     }
-    let mut term = 0.5;
+    let mut term: f64 = (1..=terms).map(|k| f64::from(k).recip()).product();
     let mut sum = 0.0;
-    for k in 3..24 {
+    for k in terms + 1..terms + 22 {
         sum += term;
         term *= r / f64::from(k);
     }

@@ -166,7 +166,7 @@ fn ctrl_c_stops_a_travel_and_leaves_nothing() {
     command.args(["simulate", "--path", "0:-0.6", "--feed-rate", "30", "--force", "x:step", "--out", "out"]);
     let mut child = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-    let reached = lines.find(|line| line.starts_with("basis of the path"));
+    let reached = lines.find(|line| line.starts_with("stations of the path"));
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     let rest: Vec<String> = lines.collect();
     let code = child.wait().unwrap().code();

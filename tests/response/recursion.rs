@@ -105,7 +105,7 @@ fn system() -> StateSpace {
     let mut c = DMatrix::zeros(2, 2 * n);
     c.columns_mut(0, n).copy_from(&shape.transpose());
     let d = DMatrix::from_row_slice(2, 2, &[1e-7, 2e-8, 2e-8, 3e-7]);
-    StateSpace { position: 0.0, a, b, c, d, eigenvalues, eigenvectors: shape, damping }
+    StateSpace { position: 0.0, a, b, c, d, eigenvalues, eigenvectors: shape, damping, dampers: DMatrix::zeros(0, n) }
 }
 
 /// The response to the samples u by the augmented exponential in small pieces, forces held or straight.

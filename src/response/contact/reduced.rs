@@ -2,6 +2,7 @@
 
 use super::Element;
 use crate::response::Plant;
+use nalgebra::DMatrix;
 
 /// The largest omega h of a mode that takes part; stiffer ones follow statically.
 const HIGHEST_PHASE: f64 = 2.0;
@@ -10,6 +11,7 @@ const HIGHEST_PHASE: f64 = 2.0;
 /// contacts' own flexibility and to what stands between contacts and ports.
 pub(super) fn reduced(plant: &Plant, elements: &[Element], h: f64) -> (Plant, Vec<Element>) {
     let kept: Vec<usize> = (0..plant.omega.len()).filter(|r| plant.omega[*r] * h <= HIGHEST_PHASE).collect();
+    let ratios = plant.projected_ratios();
     let mut direct = plant.direct.clone();
     for r in (0..plant.omega.len()).filter(|r| plant.omega[*r] * h > HIGHEST_PHASE) {
         direct += plant.outputs.column(r) * plant.inputs.column(r).transpose() / plant.omega[r].powi(2);
@@ -33,7 +35,9 @@ pub(super) fn reduced(plant: &Plant, elements: &[Element], h: f64) -> (Plant, Ve
     let reduced = Plant {
         position: plant.position,
         omega: kept.iter().map(|&r| plant.omega[r]).collect(),
-        zeta: kept.iter().map(|&r| plant.zeta[r]).collect(),
+        // Contacts are stepped mode by mode, with the dampers projected on the modes.
+        zeta: kept.iter().map(|&r| ratios[r]).collect(),
+        dampers: DMatrix::zeros(0, kept.len()),
         outputs: plant.outputs.select_columns(&kept),
         inputs: plant.inputs.select_columns(&kept),
         direct,

@@ -2,28 +2,40 @@
 //!
 //! ```text
 //! z'' + C(p) z' + K(p) z = R(p)^T u,   y = L(p) z + D(p) u,   p = p(t)
-//! C(p) = Phi diag(2 zeta_r omega_r) Phi^T with the modes Phi of K(p): the damping of the fixed position
 //! ```
 //!
-//! The coordinates are those of a basis that spans the modes of the whole path up to a band
-//! ([`PathModel`]), with M = I and matrices that are smooth functions of p. The stepping ([`travel`])
-//! holds K at the middle of every few samples and crosses them by the exact flow of that frozen system:
-//! symplectic where nothing damps, stable for any step, second order in the step, and the fixed
-//! position's own recursion where the path rests. The energy balance ([`Energy`]) is not a property of
-//! that scheme: it is integrated from the sampled motion and the continuous K(p).
+//! The coordinates are all of the fixed basis, so nothing is truncated: at rest the machine is that of the fixed
+//! position. Every few millimetres of the path stands a **station**, whose modes Phi (K_s = Phi diag(omega^2) Phi^T)
+//! are known ([`PathModel`]). Over a sample the machine is that of the nearest station plus what has changed since,
+//! K(p) - K_s, which is small and of few rows, since only what rides on the rail has moved. The modes of the station
+//! are stepped exactly, and the change acts as a force that is constant over the step and follows the mean of both
+//! its ends ([`travel`]):
 //!
 //! ```text
-//! kinetic + potential = int u . R z' dt - int z' . C z' dt + int 1/2 z . (dK/dt) z dt
+//! z'' + C_s z' + K_s z = R^T u - (K(p_m) - K_s) (z_k + z_(k+1)) / 2        p_m: in the middle of the step
 //! ```
 //!
-//! The last term is the work that the guide does on the machine through the change of K.
+//! A constant force does the work f . (z_(k+1) - z_k), here exactly the change of 1/2 z . (K - K_s) z. So the scheme
+//! keeps the energy of the whole machine, whatever the step, and is stable for any; it is of second order in the step,
+//! and exact where the machine stands at a station. C_s is that of the station; the dampers of joints act between its
+//! modes, at their own place, with a force that is a quadratic of the time over the step and follows the rate best.
 //!
-//! Source of the stepping: Hochbruck and Ostermann, Exponential integrators, Acta Numerica 19 (2010).
+//! The energy balance ([`Energy`]) adds up exact integrals over each step:
+//!
+//! ```text
+//! kinetic + potential = int u . R z' dt - int z' . C z' dt + work of the guide through the change of K
+//! ```
+//!
+//! Source: energy-preserving exponential integrators, Wang and Wu, J. Comput. Phys. 321 (2016); the splitting about
+//! stations is ours.
 
-mod basis;
 mod energy;
+mod flow;
+mod mode_table;
+mod model;
 mod run;
+mod station;
 
-pub use basis::{LocalModel, PathModel, PathOptions};
 pub use energy::Energy;
+pub use model::{LocalModel, PathModel, PathOptions};
 pub use run::{Travel, TravelOptions, travel};

@@ -1,18 +1,19 @@
 //! Stepping along a path.
 
-use super::basis::{LocalModel, PathModel};
-use super::energy::{Account, Energy, Sample};
+use super::energy::Energy;
+use super::flow::{AtSample, Flow, Stepped};
+use super::mode_table::ModeTable;
+use super::model::PathModel;
 use crate::interrupt::Interrupt;
-use crate::linalg::{multiply, symmetric_eigen_fast};
 use crate::response::{Forces, History, Path, Recording, ResponseError};
-use crate::state_space::ModeStep;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// How a path is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TravelOptions {
-    /// Samples that share one K, at the middle of their time.
+    /// Samples that share one K, that at the middle of their time.
     pub hold: usize,
     /// What is recorded.
     pub recording: Recording,
@@ -33,61 +34,25 @@ pub struct Travel {
     pub history: History,
     /// The energy balance.
     pub energy: Energy,
+    /// Largest share by which a frequency is off because the change from the nearest station acts with its mean over a
+    /// step: (K(p) - K_s)_rr h^2 / 12 of the modes up to a tenth of the sampling rate.
+    pub frequency_error: f64,
 }
-
-/// The exact flow of the frozen system over one sample.
-struct Flow {
-    shapes: DMatrix<f64>,
-    steps: Vec<ModeStep>,
-    /// 2 zeta omega.
-    rates: Vec<f64>,
-    local: LocalModel,
-}
-
-impl Flow {
-    fn new(model: &PathModel, position: f64, step: f64) -> Result<Self, ResponseError> {
-        let local = model.at(position);
-        let mut eigen =
-            symmetric_eigen_fast(&local.stiffness).map_err(|source| ResponseError::Dense { position, source })?;
-        let free = model.free;
-        // Beside stiff modes the lowest keep few digits; Rayleigh's quotient has them.
-        let low = LOW * eigen.values.amax();
-        for r in free..eigen.values.iter().take_while(|l| **l < low).count() {
-            let shape = eigen.vectors.column(r);
-            eigen.values[r] = shape.dot(&(&local.stiffness * shape)).max(0.0);
-        }
-        let ratios = model.ratios(position, eigen.values.len() - free);
-        let omega = |r: usize| if r < free { 0.0 } else { eigen.values[r].sqrt() };
-        let zeta = |r: usize| if r < free { 0.0 } else { ratios[r - free] };
-        let n = eigen.values.len();
-        Ok(Self {
-            steps: (0..n).map(|r| ModeStep::new(omega(r), zeta(r), step)).collect(),
-            rates: (0..n).map(|r| 2.0 * zeta(r) * omega(r)).collect(),
-            shapes: eigen.vectors,
-            local,
-        })
-    }
-
-    /// C v.
-    fn damped(&self, v: &DVector<f64>) -> DVector<f64> {
-        let mut modal = self.shapes.tr_mul(v);
-        modal.iter_mut().zip(&self.rates).for_each(|(x, rate)| *x *= rate);
-        &self.shapes * modal
-    }
-}
-
-/// Modes below this share of the largest eigenvalue are made accurate.
-const LOW: f64 = 1e-8;
 
 /// Flows that are made at once, in parallel.
 const BLOCK: usize = 128;
-/// Steps of the energy balance in a sample.
-const PARTS: usize = 2;
+/// A step is short enough for the dampers up to this rate times its length: what their quadratic force leaves out is
+/// then below 1e-4 of any output.
+const STRONG: f64 = 8.0;
+/// Steps of a sample at most.
+const MOST_PARTS: f64 = 16.0;
+/// Modes up to this share of the sampling rate count for the frequency error; a straight force tells less of more.
+const RESOLVED: f64 = 0.1;
 
 /// The response from rest along a path.
 ///
 /// # Errors
-/// [`ResponseError::NotAllowed`] if `hold` is 0, [`ResponseError::Dense`], [`ResponseError::Interrupted`].
+/// [`ResponseError::NotAllowed`] if `hold` is 0, [`ResponseError::Step`], [`ResponseError::Interrupted`].
 ///
 /// # Accuracy
 /// Second order in the step; exact where the path rests and the force is straight between samples. The
@@ -105,116 +70,121 @@ pub fn travel(
     }
     let (n, h, samples) = (model.n(), forces.step, forces.samples());
     let positions: Vec<f64> = (0..samples).map(|k| path.at(forces.time(k))).collect();
-    let mut out = Outputs::new(options.recording, samples, model.at_ports(positions[0]).0.nrows(), h);
     let mut walk = Walk {
         model,
-        path,
-        part: h / PARTS as f64,
-        z: DVector::zeros(n),
+        options,
+        forces,
+        q: DVector::zeros(n),
         v: DVector::zeros(n),
-        acceleration: DVector::zeros(n),
-        account: Account::new(PARTS * samples),
-        stiffness: DMatrix::zeros(n, n),
+        station: None,
+        parts: 1,
+        energy: Energy::with_room(samples),
+        history: History { step: h, n_outputs: model.at(positions[0]).outputs.nrows(), ..History::default() },
+        frequency_error: 0.0,
     };
+    let recorded = |wanted: bool| wanted.then(|| Vec::with_capacity(samples * walk.history.n_outputs));
+    let (velocity, acceleration) = (recorded(options.recording.velocity), recorded(options.recording.acceleration));
+    (walk.history.velocity, walk.history.acceleration) = (velocity, acceleration);
     let holds: Vec<usize> = (0..samples.max(2) - 1).step_by(options.hold).collect();
+    let parts = (model.strongest_damping() * h / STRONG).ceil().clamp(1.0, MOST_PARTS);
+    walk.parts = parts as usize;
+    let modes: Vec<OnceLock<Vec<ModeTable>>> = (0..model.stations()).map(|_| OnceLock::new()).collect();
     for block in holds.chunks(BLOCK) {
-        let middle = |first: usize| path.at(h * (first as f64 + 0.5 * options.hold as f64));
         let make = |&first: &usize| {
             if interrupt.requested() {
                 return Err(ResponseError::Interrupted);
             }
-            Flow::new(model, middle(first), h / PARTS as f64)
+            let last = (first + options.hold).min(samples - 1);
+            let middle = path.at(0.5 * (forces.time(first) + forces.time(last)));
+            let station = model.station(middle);
+            let modes = modes[station].get_or_init(|| model.of(station).over(h / parts));
+            Flow::new(model, (station, modes), middle, &positions[first..=last], h / parts)
         };
         let flows = block.par_iter().map(make).collect::<Result<Vec<_>, _>>()?;
         for (&first, flow) in block.iter().zip(&flows) {
+            walk.enter(flow);
             if first == 0 {
-                let u = forces.at(0.0);
-                walk.note(flow, 0.0, &u, &DVector::zeros(u.len()));
-                out.push(&model.at_ports(positions[0]), &walk, &u);
+                walk.record(flow, &flow.samples[0], 0, [0.0; 3]);
             }
-            let mut modal = (flow.shapes.tr_mul(&walk.z), flow.shapes.tr_mul(&walk.v));
-            let shaped = multiply(&flow.local.inputs, &flow.shapes);
-            let last = (first + options.hold).min(samples - 1);
-            for (k, &position) in positions.iter().enumerate().take(last + 1).skip(first + 1) {
-                for part in 0..PARTS {
-                    let time = |parts: usize| (k - 1) as f64 + parts as f64 / PARTS as f64;
-                    let (before, after) = (forces.at(time(part)), forces.at(time(part + 1)));
-                    advance(&mut modal, flow, &shaped.tr_mul(&before), &shaped.tr_mul(&after));
-                    (walk.z, walk.v) = (&flow.shapes * &modal.0, &flow.shapes * &modal.1);
-                    walk.note(flow, h * time(part + 1), &after, &((&after - before) / walk.part));
-                }
-                out.push(&model.at_ports(position), &walk, &forces.at(k as f64));
+            for (k, ends) in flow.samples.windows(2).enumerate() {
+                walk.step(flow, ends, first + k);
             }
             step();
         }
     }
-    let mut history = out.history;
-    history.last = [walk.z.as_slice().to_vec(), walk.v.as_slice().to_vec()];
-    Ok(Travel { positions, history, energy: walk.account.energy.every(PARTS) })
+    let mut history = walk.history;
+    history.last = [walk.q.as_slice().to_vec(), walk.v.as_slice().to_vec()];
+    Ok(Travel { positions, history, energy: walk.energy, frequency_error: walk.frequency_error })
 }
 
-/// The state on its way.
+/// The state on its way, over the modes of the station it is near.
 struct Walk<'a> {
     model: &'a PathModel,
-    path: &'a Path,
-    part: f64,
-    z: DVector<f64>,
+    options: TravelOptions,
+    forces: &'a Forces,
+    q: DVector<f64>,
     v: DVector<f64>,
-    acceleration: DVector<f64>,
-    account: Account,
-    stiffness: DMatrix<f64>,
+    station: Option<usize>,
+    /// Steps a sample.
+    parts: usize,
+    energy: Energy,
+    history: History,
+    frequency_error: f64,
 }
 
 impl Walk<'_> {
-    /// Enters the state at a time into the energy balance, under forces u that came with a slope.
-    fn note(&mut self, flow: &Flow, time: f64, u: &DVector<f64>, slope: &DVector<f64>) {
-        self.model.stiffness_into(self.path.at(time), &mut self.stiffness);
-        let (elastic, damping) = (&self.stiffness * &self.z, flow.damped(&self.v));
-        let force = flow.local.inputs.tr_mul(u);
-        self.acceleration = &force - &damping - &elastic;
-        let (z, v, acceleration) = (self.z.clone(), self.v.clone(), self.acceleration.clone());
-        let sample = Sample { z, v, acceleration, damping, elastic, force };
-        self.account.push(sample, &self.stiffness, &flow.local.inputs.tr_mul(slope), self.part);
-    }
-}
-
-/// One exact step of every mode.
-fn advance(modal: &mut (DVector<f64>, DVector<f64>), flow: &Flow, before: &DVector<f64>, after: &DVector<f64>) {
-    for (r, s) in flow.steps.iter().enumerate() {
-        let (q, v) = (modal.0[r], modal.1[r]);
-        let row = |i: usize| s.phi[i][0] * q + s.phi[i][1] * v + s.from[i] * before[r] + s.to[i] * after[r];
-        (modal.0[r], modal.1[r]) = (row(0), row(1));
-    }
-}
-
-/// The recorded motions.
-struct Outputs {
-    history: History,
-}
-
-impl Outputs {
-    fn new(recording: Recording, samples: usize, n_outputs: usize, step: f64) -> Self {
-        let room = |wanted: bool| wanted.then(|| Vec::with_capacity(samples * n_outputs));
-        Self {
-            history: History {
-                step,
-                n_outputs,
-                displacement: Vec::with_capacity(samples * n_outputs),
-                velocity: room(recording.velocity),
-                acceleration: room(recording.acceleration),
-                last: Default::default(),
-            },
+    /// Turns the state to the modes of the flow's station.
+    fn enter(&mut self, flow: &Flow<'_>) {
+        let model = self.model;
+        if let Some(before) = self.station.filter(|&s| s != flow.station) {
+            let turned = |x: &DVector<f64>| model.of(flow.station).shapes.tr_mul(&(&model.of(before).shapes * x));
+            (self.q, self.v) = (turned(&self.q), turned(&self.v));
         }
+        self.station = Some(flow.station);
+        let edge = RESOLVED * std::f64::consts::TAU / self.forces.step;
+        let resolved = model.of(flow.station).omega.iter().take_while(|w| **w <= edge).count();
+        let off = flow.middle.largest_on_diagonal(resolved) * self.forces.step.powi(2) / 12.0;
+        self.frequency_error = self.frequency_error.max(off);
     }
 
-    fn push(&mut self, ports: &(DMatrix<f64>, DMatrix<f64>), walk: &Walk<'_>, u: &DVector<f64>) {
-        let (outputs, direct) = ports;
-        self.history.displacement.extend((outputs * &walk.z + direct * u).iter());
+    /// One step from sample k, between what the machine is at both ends.
+    fn step(&mut self, flow: &Flow<'_>, ends: &[AtSample], k: usize) {
+        let share = |part: usize| k as f64 + part as f64 / self.parts as f64;
+        let modal = |part: usize| flow.inputs.tr_mul(&self.forces.at(share(part)));
+        let mut next = flow.advance((&self.q, &self.v), (&modal(0), &modal(1)));
+        for part in 1..self.parts {
+            let Stepped { q, v, force, lost } = flow.advance((&next.q, &next.v), (&modal(part), &modal(part + 1)));
+            next = Stepped { q, v, force: next.force + force, lost: next.lost + lost };
+        }
+        // K goes from that of the sample to that of the middle before the step, and on to the next sample's after it.
+        let before = flow.middle.form(&self.q) - ends[0].stiffness.form(&self.q);
+        let after = ends[1].stiffness.form(&next.q) - flow.middle.form(&next.q);
+        (self.q, self.v) = (next.q, next.v);
+        self.record(flow, &ends[1], k + 1, [next.force, next.lost, 0.5 * (before + after)]);
+    }
+
+    /// Enters a sample into the history and the energy balance.
+    fn record(&mut self, flow: &Flow<'_>, at: &AtSample, k: usize, works: [f64; 3]) {
+        let u = self.forces.at(k as f64);
+        let station = self.model.of(flow.station);
+        let omega = &station.omega;
+        let elastic: f64 = omega.iter().zip(self.q.iter()).map(|(w, q)| (w * q).powi(2)).sum();
+        let stored = [0.5 * self.v.norm_squared(), 0.5 * (elastic + at.stiffness.form(&self.q))];
+        self.energy.push(stored, works);
+        let outputs: &DMatrix<f64> = &at.outputs;
+        self.history.displacement.extend((outputs * &self.q + &at.direct * &u).iter());
         if let Some(list) = &mut self.history.velocity {
-            list.extend((outputs * &walk.v).iter());
+            list.extend((outputs * &self.v).iter());
         }
-        if let Some(list) = &mut self.history.acceleration {
-            list.extend((outputs * &walk.acceleration).iter());
+        if self.options.recording.acceleration {
+            let mut rate = flow.inputs.tr_mul(&u) - at.stiffness.times(&self.q);
+            for (r, w) in omega.iter().enumerate() {
+                rate[r] -= w * w * self.q[r] + 2.0 * station.ratios[r] * w * self.v[r];
+            }
+            rate -= flow.dampers.tr_mul(&(&flow.dampers * &self.v));
+            if let Some(list) = &mut self.history.acceleration {
+                list.extend((outputs * &rate).iter());
+            }
         }
     }
 }
