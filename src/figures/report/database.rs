@@ -59,7 +59,9 @@ pub struct Database {
 }
 
 /// Bytes that the modal data of a page take, about.
-const BUDGET: usize = 5_000_000;
+const BUDGET: usize = 6_000_000;
+/// Directions that the shapes of all positions take, about.
+const SHAPE_DIRECTIONS: usize = 70;
 /// Positions of a page at most, and at least.
 const POSITIONS: [usize; 2] = [11, 241];
 
@@ -71,13 +73,14 @@ fn exact_bytes(sums: &ModalSystem) -> usize {
 }
 
 /// The positions that a page has room for, from what one takes.
-fn most_positions(systems: &[ModalSystem], springs: usize, ports: usize) -> usize {
+fn most_positions(systems: &[ModalSystem], springs: usize, ports: usize, listed: usize) -> usize {
     let modes = systems.iter().map(|s| s.frequencies.len()).max().unwrap_or(0);
-    let (rows, coordinates) = (springs + ports, modes + 2 * (springs + ports));
+    let (rows, coordinates) = (springs + ports, modes.max(listed) + 2 * (springs + ports));
     let of = |s: &ModalSystem| 8 * s.frequencies.len() * (3 + ports);
     let coupled = |s: &ModalSystem| s.exact.as_ref().map_or(0, |e| exact_bytes(&e.system));
     let sums = systems.iter().map(|s| of(s) + coupled(s)).max().unwrap_or(0);
-    let bytes = sums + 4 * rows * (coordinates + rows);
+    let shapes = 2 * listed * SHAPE_DIRECTIONS;
+    let bytes = sums + shapes + 4 * rows * (coordinates + rows);
     (BUDGET / bytes.max(1)).clamp(POSITIONS[0], POSITIONS[1])
 }
 
@@ -107,7 +110,8 @@ impl Database {
         let symmetric = outputs == inputs && systems.iter().all(|s| s.outputs == s.inputs);
         let (springs, groups, selected) = springs(machine);
         let ports = outputs.len() + inputs.len();
-        let chosen = spread(systems.len(), most_positions(systems, springs.len(), ports));
+        let listed = families.modes.iter().map(Vec::len).max().unwrap_or(0);
+        let chosen = spread(systems.len(), most_positions(systems, springs.len(), ports, listed));
         let whole = |p: &usize| whole_modes(input, *p);
         let modes = chosen.par_iter().map(whole).collect::<Result<Vec<Cow<'_, Modes>>, _>>()?;
         let systems: Vec<&ModalSystem> = chosen.iter().map(|&p| &systems[p]).collect();

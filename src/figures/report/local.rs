@@ -20,6 +20,11 @@ const WIDER: [AroundOptions; 2] =
 /// Positions times the cube of the coordinates that a page solves while a slider moves: some 200 ms on two cores.
 const MOST_WORK: f64 = 2e8;
 
+/// Coordinates are made for frequencies this much above the last listed one, which stiffer joints raise.
+const ABOVE_LAST: f64 = 1.1;
+/// Steps in which the frequency is found that time allows.
+const HALVINGS: usize = 4;
+
 /// Motion of springs and ports below which a free motion is left out, relative to the largest of any coordinate.
 const UNFELT: f64 = 1e-9;
 
@@ -65,7 +70,9 @@ impl Local {
             let Some(frequency) = input.affordable(springs.places, options, best.is_none())? else { break };
             let one = |modes: &Cow<'_, Modes>| input.local(modes, springs.places, frequency, options);
             let all = input.modes.par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
-            let accuracy = Checked { input, springs, local: &all }.accuracy()?;
+            // Between the band and what the coordinates are made for, the directions above the band still converge.
+            let most = frequency * options.band.sqrt();
+            let accuracy = Checked { input, springs, local: &all, most }.accuracy()?;
             let holds = accuracy.holds(input.highest);
             if best.as_ref().is_none_or(|(_, before)| accuracy.is_better(before, input.highest)) {
                 best = Some((all, accuracy));
@@ -121,25 +128,35 @@ impl LocalInput<'_> {
         Ok(Local::new(&around, self.symmetric))
     }
 
-    /// The frequency (Hz) that coordinates can be made for in the page's time: that of the last listed mode, else the
-    /// map's highest; nothing if that takes too long as well, unless there is nothing else yet.
+    /// The frequency (Hz) that coordinates can be made for in the page's time: somewhat above the last listed mode's,
+    /// else as far as time allows, but the map's highest at least; nothing if that takes too long, unless there is
+    /// nothing else yet.
     fn affordable(
         &self,
         springs: &[usize],
         options: AroundOptions,
         is_first: bool,
     ) -> Result<Option<f64>, ReportError> {
-        if is_first && self.last <= self.highest {
+        let wanted = if self.last > self.highest { self.highest.max(ABOVE_LAST * self.last) } else { self.highest };
+        let Some(middle) = self.modes.get(self.modes.len() / 2) else { return Ok(Some(self.highest)) };
+        if is_first && wanted <= self.highest {
             return Ok(Some(self.highest));
         }
-        let Some(middle) = self.modes.get(self.modes.len() / 2) else { return Ok(Some(self.highest)) };
         let fits = |frequency: f64| -> Result<bool, ReportError> {
             let n = self.local(middle, springs, frequency, options)?.eigenvalues.len() as f64;
             Ok(self.modes.len() as f64 * n.powi(3) <= MOST_WORK)
         };
-        if fits(self.last)? {
-            return Ok(Some(self.last));
+        if fits(wanted)? {
+            return Ok(Some(wanted));
         }
-        Ok((is_first || fits(self.highest)?).then_some(self.highest))
+        if !fits(self.highest)? {
+            return Ok(is_first.then_some(self.highest));
+        }
+        let (mut low, mut high) = (self.highest, wanted);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if fits(middle)? { low = middle } else { high = middle }
+        }
+        Ok(Some(low))
     }
 }

@@ -45,7 +45,8 @@ function borderedAt(exact, o, i, f) {
     const u = (frequency[r] - f) * (frequency[r] + f);
     const v = loss[r] + viscous[r] * f;
     const scale = 1 / (TAU * TAU * (u * u + v * v));
-    const [gr, gi] = [u * scale, -v * scale];
+    const gr = u * scale;
+    const gi = -v * scale;
     const at = r * s * 2 * parts;
     if (!complex) {
       lr[0] = outputs[o * n + r];
@@ -53,7 +54,8 @@ function borderedAt(exact, o, i, f) {
       for (let k = 0; k < s; k++) lr[k + 1] = rr[k + 1] = packed[at + k];
       // The springs' block is symmetric: its lower triangle, the row of the output and the column of the input.
       for (let a = 0; a < size; a++) {
-        const [x, y] = [gr * lr[a], gi * lr[a]];
+        const x = gr * lr[a];
+        const y = gi * lr[a];
         const end = a === 0 ? size : a + 1;
         for (let b = 0, k = a * size; b < end; b++, k++) {
           re[k] += x * rr[b];
@@ -82,7 +84,10 @@ function borderedAt(exact, o, i, f) {
     }
   }
   for (let a = 1; a < size && !complex; a++) {
-    for (let b = a + 1; b < size; b++) [re[a * size + b], im[a * size + b]] = [re[b * size + a], im[b * size + a]];
+    for (let b = a + 1; b < size; b++) {
+      re[a * size + b] = re[b * size + a];
+      im[a * size + b] = im[b * size + a];
+    }
   }
   addResidual(exact, o, i, f, leftRows - s, rightRows - s);
   return bordered;
@@ -116,16 +121,26 @@ function exactAt(exact, o, i, f, power, value) {
     const g = exact.structural[k - 1] + omega * exact.damper[k - 1];
     if (g === 0) continue;
     // 1 / (H_kk + 1/G), with 1/G = -j/g.
-    const [br, bi] = [re[k * size + k], im[k * size + k] - 1 / g];
+    const own = k * size;
+    const br = re[own + k];
+    const bi = im[own + k] - 1 / g;
     const square = br * br + bi * bi;
-    const [ir, ii] = [br / square, -bi / square];
+    const ir = br / square;
+    const ii = -bi / square;
+    // Rows and columns of the ports, then of the springs that are still there.
     for (let a = 0; a < size; a = a === 0 ? k + 1 : a + 1) {
-      const [hr, hi] = [re[a * size + k], im[a * size + k]];
-      const [fr, fi] = [hr * ir - hi * ii, hr * ii + hi * ir];
-      for (let b = 0; b < size; b = b === 0 ? k + 1 : b + 1) {
-        const [cr, ci] = [re[k * size + b], im[k * size + b]];
-        re[a * size + b] -= fr * cr - fi * ci;
-        im[a * size + b] -= fr * ci + fi * cr;
+      const row = a * size;
+      const hr = re[row + k];
+      const hi = im[row + k];
+      const fr = hr * ir - hi * ii;
+      const fi = hr * ii + hi * ir;
+      re[row] -= fr * re[own] - fi * im[own];
+      im[row] -= fr * im[own] + fi * re[own];
+      for (let b = k + 1; b < size; b++) {
+        const cr = re[own + b];
+        const ci = im[own + b];
+        re[row + b] -= fr * cr - fi * ci;
+        im[row + b] -= fr * ci + fi * cr;
       }
     }
   }
