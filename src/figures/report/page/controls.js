@@ -163,9 +163,10 @@ function showCurves(page) {
   const { state, engine, db, order, along, curves } = page;
   const nInputs = db.header.inputs.length;
   const power = page.power();
+  const response = page.responses();
   const value = [0, 0];
   const at = (system, f) => {
-    responseAt(system, state.output, state.input, nInputs, f, power, value);
+    response(system, state.output, state.input, nInputs, f, power, value);
     const shown = page.shown(value[0] * 1e6, value[1] * 1e6);
     return Number.isFinite(shown) ? shown : null;
   };
@@ -194,7 +195,7 @@ function showCurves(page) {
   const [nowP, beforeP] = [along_(engine.systems), changed ? along_(engine.nominal) : null];
   curves.position.show(along, series(nowP, beforeP), { x: axis, y: page.label() }, log);
   for (const curve of [curves.families, curves.stiffness]) curve.setMarker(db.positions[state.position] * 1e3);
-  const key = `${engine.key} ${state.from} ${state.to} ${isDark()}`;
+  const key = `${engine.key} ${page.map.exact} ${state.from} ${state.to} ${isDark()}`;
   if (key === page.shownKey) return;
   page.shownKey = key;
   showFamilies(page, axis, changed);
@@ -237,7 +238,7 @@ function showStiffness(page, axis, changed) {
   const directions = outputs.map((name, o) => ({ name, o, i: inputs.indexOf(name) })).filter(({ i }) => i >= 0);
   page.weakest = directions.map(({ name, o, i }, k) => {
     const to = changed ? Math.min(state.to, page.reach) : state.to;
-    const found = order.map((p) => largestResponse(engine.systems[p], o, i, inputs.length, state.from, to));
+    const found = order.map((p) => largestResponse(engine.systems[p], o, i, inputs.length, state.from, to, page.responses()));
     return { name, colour: familyColour(k + 1), found, values: found.map(({ value }) => 1e-6 / value) };
   });
   const series = page.weakest.map(({ name, values, colour }) => ({

@@ -141,7 +141,7 @@ class Page {
     this.settled.catch((error) => fail(`The map with exact damping was not computed: ${error.message || error}`));
   }
 
-  // Where damping couples the modes: the surface with that damping exact, once nothing moves.
+  // Where damping couples the modes: surface and curves with that damping exact, once nothing moves.
   async settle() {
     const { state, engine, round } = this;
     if (!engine.isCoupled()) return;
@@ -152,6 +152,12 @@ class Page {
     this.map = { frequencies, values: this.withinReach(frequencies, values), engine: "JavaScript", exact: true };
     this.drawSurface(frequencies, this.map.values);
     this.showEngine();
+    this.showRest();
+  }
+
+  // What single responses are computed by: as the surface that is shown.
+  responses() {
+    return this.map.exact ? responseAt : projectedAt;
   }
 
   power() {

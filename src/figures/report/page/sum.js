@@ -64,14 +64,15 @@ const GOLDEN = 0.6180339887498949;
 
 // Largest |H| of a pair in a window: the best of the modes' own peaks and the window's ends, by golden sections
 // within half a band to either side. Where damping couples the modes the peaks are looked for by projection, which costs
-// little, and the highest three are compared and refined exactly.
-function largestResponse(system, o, i, nInputs, from, to) {
+// little, and with `response` exact the highest three are compared and refined exactly.
+function largestResponse(system, o, i, nInputs, from, to, response) {
   const value = [0, 0];
   const magnitude = (at) => (f) => {
     at(system, o, i, nInputs, f, 0, value);
     return Math.hypot(value[0], value[1]);
   };
-  const [quick, exact] = [magnitude(projectedAt), magnitude(responseAt)];
+  const [quick, exact] = [magnitude(projectedAt), magnitude(response)];
+  const isCoupled = system.exact && response !== projectedAt;
   const starts = [from, to];
   for (let r = 0; r < system.n; r++) {
     const f = system.frequency[r];
@@ -102,14 +103,14 @@ function largestResponse(system, o, i, nInputs, from, to) {
     const middle = 0.5 * (a + b);
     return { f: middle, value: of(middle) };
   };
-  if (system.exact) best = { f: best.f, value: exact(best.f) };
+  if (isCoupled) best = { f: best.f, value: exact(best.f) };
   for (const start of found.slice(0, 3)) {
     if (start.value < 0.5 * found[0].value) break;
     const peak = refined(quick, start.f, half(start.f));
-    const candidate = system.exact ? { f: peak.f, value: exact(peak.f) } : peak;
+    const candidate = isCoupled ? { f: peak.f, value: exact(peak.f) } : peak;
     if (candidate.value > best.value) [best, width] = [candidate, half(start.f)];
   }
-  if (!system.exact) return best;
+  if (!isCoupled) return best;
   const last = refined(exact, best.f, width);
   return last.value > best.value ? last : best;
 }
