@@ -59,10 +59,12 @@ impl Accuracy {
             && self.response_least <= LEAST_AIM
     }
 
+    /// Whether it reaches further into maps up to `highest` (Hz) or, where both or neither cover them, is nearer.
     pub(super) fn is_better(&self, other: &Self, highest: f64) -> bool {
-        let rank = |a: &Self| (a.reach_hz < highest, a.response.unwrap_or(0.0).max(a.response_least));
-        let (own, other) = (rank(self), rank(other));
-        own.0 < other.0 || own.0 == other.0 && own.1 < other.1
+        let missing = |a: &Self| (1.0 - a.reach_hz / highest).max(0.0);
+        let error = |a: &Self| a.response.unwrap_or(0.0).max(a.response_least);
+        let (own, before) = (missing(self), missing(other));
+        own < before || own == before && error(self) < error(other)
     }
 }
 
@@ -166,7 +168,7 @@ impl Checked<'_> {
             probes.iter().map(one).filter(|share| share.is_finite()).fold(0.0, f64::max)
         };
         let undamped = damping.ratios.iter().all(|z| *z <= 0.0) && damping.rayleigh.is_none();
-        let undamped = undamped && damping.loss_factor <= 0.0;
+        let undamped = undamped && damping.loss_factor <= 0.0 && dissipating.is_empty();
         measured.response = (!lossy && !undamped).then(|| difference(damping, &page, &truth));
         let least = Damping { ratios: vec![LEAST_RATIO], rayleigh: None, loss_factor: 0.0, projected: false };
         let (page, truth) = (page.without_dissipation(), truth.without_dissipation());

@@ -29,6 +29,9 @@ pub(super) struct Summed {
 /// Springs that dissipate: place among the page's springs, loss factor, damper.
 pub(super) type Dissipating = [(usize, f64, f64)];
 
+/// A mode that only springs damp has no damping in the sum that they are eliminated from: this loss factor keeps it finite.
+const FLOOR: f64 = 1e-9;
+
 impl Summed {
     /// The page's own solution for springs with these factors of stiffness.
     pub fn of_page(
@@ -150,6 +153,9 @@ impl Summed {
                     rate += damper * square;
                     eta += loss * square / lambda;
                 }
+            }
+            if coupled && r >= self.free && rate + eta * own < FLOOR * own {
+                eta = FLOOR;
             }
             let g = Complex::new(lambda - omega * omega, eta * lambda + rate * omega).inv();
             let (rows, columns) = if coupled { (rows, columns) } else { (o, i) };
