@@ -20,8 +20,8 @@ const COUNT: usize = 150;
 /// What a run itself leaves out: the bound on its truncation.
 const OF_THE_RUN: f64 = 1e-4;
 
-/// Responses `[position][frequency]` of 3 x 3, m/N.
-type Map = Vec<Vec<[Complex<f64>; 9]>>;
+/// Responses `[frequency]` of 3 x 3 at a position, m/N.
+type Responses = Vec<[Complex<f64>; 9]>;
 
 /// Factors of the guides' and bearings' stiffness and of the screw's diameter, and a ratio for all modes, if any.
 struct Setting([f64; 3], Option<f64>);
@@ -77,7 +77,7 @@ fn run(name: &str, Setting([guides, bearings, screw], ratio): &Setting) -> PathB
 }
 
 /// The map of a run, from a run's compliance.npy.
-fn responses(run: &Path) -> Map {
+fn responses(run: &Path) -> Vec<Responses> {
     let bytes = std::fs::read(run.join("compliance.npy")).unwrap();
     let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     let header = String::from_utf8_lossy(&bytes[10..start]).into_owned();
@@ -86,7 +86,7 @@ fn responses(run: &Path) -> Map {
     rows(&numbers)
 }
 
-fn rows(numbers: &[f64]) -> Map {
+fn rows(numbers: &[f64]) -> Vec<Responses> {
     assert_eq!(numbers.len(), POSITIONS.len() * COUNT * 18);
     let value = |at: usize| Complex::new(numbers[2 * at], numbers[2 * at + 1]);
     let one = |p: usize, k: usize| std::array::from_fn(|e| value((p * COUNT + k) * 9 + e));
@@ -94,7 +94,7 @@ fn rows(numbers: &[f64]) -> Map {
 }
 
 /// The map that a modal database holds the sums of.
-fn summed_from(file: &Path) -> Map {
+fn summed_from(file: &Path) -> Vec<Responses> {
     let database = Database::read(file).unwrap();
     let (positions, frequencies) = database.axes().unwrap();
     let map = modal_sum(&FrfRequest {
@@ -111,7 +111,7 @@ fn summed_from(file: &Path) -> Map {
 }
 
 /// Largest difference as a share of the Frobenius norm of the 3 x 3.
-fn difference(own: &Map, exact: &Map) -> f64 {
+fn difference(own: &[Responses], exact: &[Responses]) -> f64 {
     let norm = |h: &[Complex<f64>; 9]| h.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
     let one = |(a, b): (&[Complex<f64>; 9], &[Complex<f64>; 9])| norm(&std::array::from_fn(|e| a[e] - b[e])) / norm(b);
     own.iter().flatten().zip(exact.iter().flatten()).map(one).fold(0.0, f64::max)
@@ -133,7 +133,7 @@ fn frequencies(run: &Path) -> Vec<Vec<f64>> {
 }
 
 /// The page at a setting: all responses by `responseAt` or `projectedAt`, and the frequencies that it draws.
-fn on_the_page(browser: &mut Browser, setting: &Setting, which: &str) -> (Map, Vec<Vec<f64>>) {
+fn on_the_page(browser: &mut Browser, setting: &Setting, which: &str) -> (Vec<Responses>, Vec<Vec<f64>>) {
     let Setting([guides, bearings, screws], ratio) = setting;
     let state = json!({ "factors": { "guides": guides, "bearings": bearings, "screws": screws }, "damping": ratio });
     let numbers = browser.numbers(&format!(
@@ -205,7 +205,7 @@ fn compare(settings: &[Setting]) {
 }
 
 /// The surface, once nothing moves, has its damping exact, and the line at the top says so.
-fn at_rest(browser: &mut Browser, exact: &Map) {
+fn at_rest(browser: &mut Browser, exact: &[Responses]) {
     let shown = browser.numbers(
         "stiffmap.page.set({ output: 1, input: 1, from: 6, to: 900, resolution: 150 })
             .then(() => stiffmap.page.settled).then(() => Array.from(stiffmap.page.map.values))",

@@ -23,7 +23,7 @@ const LEAST_AIM: f64 = 2e-2;
 /// Least damping ratio of the page's slider.
 const LEAST_RATIO: f64 = 0.001;
 /// Frequencies over the band at which responses are compared, beside those of the modes.
-const PROBES: usize = 20;
+const PROBES: usize = 15;
 
 /// The largest differences between the page's solutions and the whole model over the range of its sliders.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

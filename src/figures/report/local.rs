@@ -12,10 +12,10 @@ use std::borrow::Cow;
 
 /// What the page keeps of the machine as it was run, where that is accurate over the range of its sliders; with joints a
 /// quarter to four times as stiff it keeps frequencies to some 1e-5.
-pub const PAGE: AroundOptions = AroundOptions { band: 1.2, tolerance: 5e-3 };
+pub const PAGE: AroundOptions = AroundOptions { band: 1.3, tolerance: 2e-3 };
 /// What is kept where it is not, less to more.
 const WIDER: [AroundOptions; 2] =
-    [AroundOptions { band: 1.5, tolerance: 2e-3 }, AroundOptions { band: 2.0, tolerance: 1.5e-3 }];
+    [AroundOptions { band: 1.6, tolerance: 1e-3 }, AroundOptions { band: 2.0, tolerance: 5e-4 }];
 
 /// Positions times the cube of the coordinates that a page solves while a slider moves: some 200 ms on two cores.
 const MOST_WORK: f64 = 2e8;

@@ -85,7 +85,7 @@ class Page {
     this.startShapes();
     $("facts").append(...runFacts(this.manifest));
     $("family-table").append(familyTable(this.db.header));
-    $("remarks").append(...remarks(this.db));
+    $("remarks").append(...remarks(this.db, this.manifest));
     setTimeout(() => this.engine.startWorkers(), 100);
   }
 

@@ -130,9 +130,14 @@ function reachText(header) {
   );
 }
 
-function remarks(db) {
+function remarks(db, manifest) {
   const { header } = db;
   const lines = [];
+  const { settings = {} } = manifest;
+  if (settings.exactly_n_modes) {
+    const left = settings.truncation_error.toExponential(1);
+    lines.push(`The map as run sums exactly the modes that were asked for, which leaves out ${left} of the norm; changed machines are summed over all modes.`);
+  }
   if (db.positions.length < header.positions_of_run) {
     lines.push(`This page holds ${db.positions.length} of the run's ${header.positions_of_run} positions.`);
   }
