@@ -58,29 +58,29 @@ pub struct Database {
     arrays: Arrays,
 }
 
-/// Bytes that the modal data of a page take, about.
-const BUDGET: usize = 6_000_000;
+/// Bytes that the positions' share of a page's modal data takes, about; the parts' surfaces come on top.
+const BUDGET: usize = 5_000_000;
 /// Directions that the shapes of all positions take, about.
-const SHAPE_DIRECTIONS: usize = 70;
+const SHAPE_DIRECTIONS: usize = 100;
 /// Positions of a page at most, and at least.
 const POSITIONS: [usize; 2] = [11, 241];
 
-/// Bytes of the sums between ports and dissipating springs.
-fn exact_bytes(sums: &ModalSystem) -> usize {
-    let (rows, columns) = (sums.outputs.nrows(), sums.inputs.nrows());
-    let both = if rows == columns { rows } else { rows + columns };
-    8 * (sums.frequencies.len() * (3 + both) + 2 * sums.residual.len() * rows * columns)
-}
-
-/// The positions that a page has room for, from what one takes.
-fn most_positions(systems: &[ModalSystem], springs: usize, ports: usize, listed: usize) -> usize {
-    let modes = systems.iter().map(|s| s.frequencies.len()).max().unwrap_or(0);
-    let (rows, coordinates) = (springs + ports, modes.max(listed) + 2 * (springs + ports));
-    let of = |s: &ModalSystem| 8 * s.frequencies.len() * (3 + ports);
-    let coupled = |s: &ModalSystem| s.exact.as_ref().map_or(0, |e| exact_bytes(&e.system));
-    let sums = systems.iter().map(|s| of(s) + coupled(s)).max().unwrap_or(0);
-    let shapes = 2 * listed * SHAPE_DIRECTIONS;
-    let bytes = sums + shapes + 4 * rows * (coordinates + rows);
+/// The positions that a page has room for, from what one takes; of the ports only the outputs are stored where inputs are
+/// the same.
+fn most_positions(systems: &[ModalSystem], springs: usize, symmetric: bool, listed: usize) -> usize {
+    let sums = |s: &ModalSystem, symmetric: bool| {
+        let (o, i) = (s.outputs.nrows(), s.inputs.nrows());
+        let rows = if symmetric { o } else { o + i };
+        8 * (s.frequencies.len() * (3 + rows) + 2 * s.residual.len() * o * i)
+    };
+    let of = |s: &ModalSystem| {
+        let coupled = |e: &ModalSystem| sums(e, e.outputs.nrows() == e.inputs.nrows());
+        let modes = s.frequencies.len().max(listed);
+        let rows = springs + if symmetric { s.outputs.nrows() } else { s.outputs.nrows() + s.inputs.nrows() };
+        let local = 4 * rows * (modes + 2 * rows);
+        sums(s, symmetric) + s.exact.as_ref().map_or(0, |e| coupled(&e.system)) + local
+    };
+    let bytes = systems.iter().map(of).max().unwrap_or(0) + 2 * listed * SHAPE_DIRECTIONS;
     (BUDGET / bytes.max(1)).clamp(POSITIONS[0], POSITIONS[1])
 }
 
@@ -109,9 +109,8 @@ impl Database {
         let (outputs, inputs) = (model.output_names(), model.input_names());
         let symmetric = outputs == inputs && systems.iter().all(|s| s.outputs == s.inputs);
         let (springs, groups, selected) = springs(machine);
-        let ports = outputs.len() + inputs.len();
         let listed = families.modes.iter().map(Vec::len).max().unwrap_or(0);
-        let chosen = spread(systems.len(), most_positions(systems, springs.len(), ports, listed));
+        let chosen = spread(systems.len(), most_positions(systems, springs.len(), symmetric, listed));
         let whole = |p: &usize| whole_modes(input, *p);
         let modes = chosen.par_iter().map(whole).collect::<Result<Vec<Cow<'_, Modes>>, _>>()?;
         let systems: Vec<&ModalSystem> = chosen.iter().map(|&p| &systems[p]).collect();
