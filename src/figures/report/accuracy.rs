@@ -22,6 +22,11 @@ const RESPONSE_AIM: f64 = 5e-3;
 const LEAST_AIM: f64 = 2e-2;
 /// Least damping ratio of the page's slider.
 const LEAST_RATIO: f64 = 0.001;
+/// A whole model of more coordinates than this is solved at no more than a quarter as many settings as the page has
+/// positions, so that the run takes little longer for it,
+const MANY_COORDINATES: usize = 400;
+/// but at this many at least.
+const FEWEST_PAIRS: usize = 5;
 /// Frequencies over the band at which responses are compared, beside those of the modes.
 const PROBES: usize = 15;
 
@@ -95,7 +100,11 @@ impl Checked<'_> {
         let mut places = vec![0, n / 2, n.saturating_sub(1)];
         places.dedup();
         let settings = settings(self.springs.groups);
-        let pairs = pairs(settings.len(), places.len());
+        let mut pairs = pairs(settings.len(), places.len());
+        if self.input.model.n() > MANY_COORDINATES {
+            pairs.truncate(n.div_ceil(4).max(FEWEST_PAIRS));
+        }
+        let looked_at = pairs.iter().map(|(setting, _)| setting + 1).max().unwrap_or(0);
         let one = |&(setting, place): &(usize, usize)| self.measure(&settings[setting], places[place]);
         let all = pairs.par_iter().with_max_len(1).map(one).collect::<Result<Vec<Measured>, _>>()?;
         let last = self.input.model.frequency.max(self.input.last).min(self.most);
@@ -114,7 +123,7 @@ impl Checked<'_> {
             response: responses.map(|all| MARGIN * all.into_iter().fold(0.0, f64::max)),
             response_least: MARGIN * all.iter().map(|m| m.response_least).fold(0.0, f64::max),
             least_ratio: LEAST_RATIO,
-            settings: settings.len(),
+            settings: looked_at,
             positions: places.iter().map(|&p| self.input.modes[p].position).collect(),
         })
     }
@@ -178,14 +187,16 @@ impl Checked<'_> {
 }
 
 /// Settings of all sliders as factors of stiffness: all at their ends, all half way to the stiffer end, all as run. The
-/// first has all at the stiffest, where most differs.
+/// first has all at the stiffest, where most differs, the second all at the softest.
 fn settings(groups: &[Group]) -> Vec<Vec<f64>> {
     let end = |group: &Group, side: usize| group.stiffness_factor(group.range[side]);
     let corner =
         |bits: usize| groups.iter().enumerate().map(|(g, group)| end(group, bits >> g & 1)).collect::<Vec<_>>();
-    let corners = 1usize << groups.len();
-    let mut all: Vec<Vec<f64>> = (0..corners).rev().map(corner).collect();
+    let last = (1usize << groups.len()) - 1;
+    let mut all = vec![corner(last)];
     if !groups.is_empty() {
+        all.push(corner(0));
+        all.extend((1..last).map(corner));
         all.push(groups.iter().map(|group| end(group, 1).sqrt()).collect());
         all.push(vec![1.0; groups.len()]);
     }

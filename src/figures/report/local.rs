@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// What the page keeps of the machine as it was run, where that is accurate over the range of its sliders; with joints a
-/// quarter to four times as stiff it keeps frequencies to some 1e-5.
+/// quarter to four times as stiff it keeps the frequencies of the band to some 1e-6.
 pub const PAGE: AroundOptions = AroundOptions { band: 1.3, tolerance: 2e-3 };
 /// What is kept where it is not, less to more.
 const WIDER: [AroundOptions; 2] =
