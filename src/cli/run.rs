@@ -178,8 +178,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     }
     let projection = progress
         .stage("projected modes", 0, |_| pipeline::projection_error(&machine, &model, &axes.positions, highest))?;
-    let what =
-        if machine.analysis.damping.projected { "all results take" } else { "state_space.mat and the page take" };
+    let what = if machine.analysis.damping.projected { "all results take" } else { "state_space.mat takes" };
     let projected = projection.as_ref().and_then(|p| p.warning(what));
     progress.warn(projected.as_slice());
     warnings.extend(projected);

@@ -31,19 +31,20 @@ const FLOOR: f64 = 1e-9;
 pub struct ExactDamping {
     /// The modes without the springs' dissipation. Rows: outputs (inputs), then springs; where `is_complex`, these
     /// are real parts, and the same rows follow for the imaginary parts.
-    system: ModalSystem,
-    is_complex: bool,
+    pub system: ModalSystem,
+    /// Whether the rows of [`Self::system`] have imaginary parts.
+    pub is_complex: bool,
     n_outputs: usize,
     n_inputs: usize,
     /// Damper of each spring, N s/m.
-    viscous: Vec<f64>,
+    pub viscous: Vec<f64>,
     /// Loss factor times stiffness of each spring, N/m.
-    structural: Vec<f64>,
+    pub structural: Vec<f64>,
 }
 
 impl ExactDamping {
     /// From modes without the springs' dissipation, whose rows end with those of the springs.
-    pub(super) fn new(mut system: ModalSystem, is_complex: bool, viscous: Vec<f64>, structural: Vec<f64>) -> Self {
+    pub fn new(mut system: ModalSystem, is_complex: bool, viscous: Vec<f64>, structural: Vec<f64>) -> Self {
         let parts = if is_complex { 2 } else { 1 };
         let n_springs = viscous.len();
         let ports = |rows: usize| rows / parts - n_springs;

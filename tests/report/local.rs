@@ -74,7 +74,7 @@ fn the_pages_coordinates_follow_changed_joints() {
         let of = |s: usize| factor[usize::from(s == screw)];
         let error = worst(&model, of, of);
         println!("{name}: {error:.1e}");
-        assert!(error <= 3e-4, "{name}: {error:.2e}");
+        assert!(error <= 3e-5, "{name}: {error:.2e}");
     }
     let control = worst(&model, |_| 1.5, |_| 1.49);
     assert!(control > 1e-3, "control: another stiffness, {control:.2e}");

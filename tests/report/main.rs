@@ -9,6 +9,7 @@ mod local;
 mod page;
 mod skins;
 mod vtk;
+mod what_if;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 type Complex = nalgebra::Complex<f64>;
 
 /// One browser at a time, so that times are its own.
-static ONE: Mutex<()> = Mutex::new(());
+pub static ONE: Mutex<()> = Mutex::new(());
 
 /// Direct responses by position and frequency (in nanometres and microhertz), from a surface file.
 struct Surface(BTreeMap<(i64, i64), Complex>);

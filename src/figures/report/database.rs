@@ -6,8 +6,9 @@
 
 use super::ReportError;
 use super::arrays::Arrays;
-use super::header::{Header, VeeringEntry, springs, table_entry, veering_entry};
-use super::pack::{push_families, push_local, push_systems};
+use super::header::{Header, SpringList, VeeringEntry, springs, table_entry, veering_entry};
+use super::local::{Local, LocalInput};
+use super::pack::{push_families, push_local, push_systems, read_coupled, read_sums};
 use super::shapes::push_shapes;
 use crate::coupling::CoupledModel;
 use crate::export::atomic;
@@ -16,7 +17,6 @@ use crate::frf::metrics::PairMetrics;
 use crate::machine::{Machine, Quantity};
 use crate::modal::{ModeFamilies, ModeTableRow, Modes, TrackedMode, Veering, modes_at};
 use crate::reduction::Superelement;
-use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::Path;
@@ -58,16 +58,29 @@ pub struct Database {
     arrays: Arrays,
 }
 
-/// Bytes that the modal data of a page take, about.
+/// Bytes that the positions' share of a page's modal data takes, about; the parts' surfaces come on top.
 const BUDGET: usize = 5_000_000;
+/// Directions that the shapes of all positions take, about.
+const SHAPE_DIRECTIONS: usize = 100;
 /// Positions of a page at most, and at least.
 const POSITIONS: [usize; 2] = [11, 241];
 
-/// The positions that a page has room for, from what one takes.
-fn most_positions(systems: &[ModalSystem], springs: usize, ports: usize) -> usize {
-    let modes = systems.iter().map(|s| s.frequencies.len()).max().unwrap_or(0);
-    let (rows, coordinates) = (springs + ports, modes + 2 * (springs + ports));
-    let bytes = 8 * modes * (3 + ports) + 4 * rows * (coordinates + rows);
+/// The positions that a page has room for, from what one takes; of the ports only the outputs are stored where inputs are
+/// the same.
+fn most_positions(systems: &[ModalSystem], springs: usize, symmetric: bool, listed: usize) -> usize {
+    let sums = |s: &ModalSystem, symmetric: bool| {
+        let (o, i) = (s.outputs.nrows(), s.inputs.nrows());
+        let rows = if symmetric { o } else { o + i };
+        8 * (s.frequencies.len() * (3 + rows) + 2 * s.residual.len() * o * i)
+    };
+    let of = |s: &ModalSystem| {
+        let coupled = |e: &ModalSystem| sums(e, e.outputs.nrows() == e.inputs.nrows());
+        let modes = s.frequencies.len().max(listed);
+        let rows = springs + if symmetric { s.outputs.nrows() } else { s.outputs.nrows() + s.inputs.nrows() };
+        let local = 4 * rows * (modes + 2 * rows);
+        sums(s, symmetric) + s.exact.as_ref().map_or(0, |e| coupled(&e.system)) + local
+    };
+    let bytes = systems.iter().map(of).max().unwrap_or(0) + 2 * listed * SHAPE_DIRECTIONS;
     (BUDGET / bytes.max(1)).clamp(POSITIONS[0], POSITIONS[1])
 }
 
@@ -96,8 +109,8 @@ impl Database {
         let (outputs, inputs) = (model.output_names(), model.input_names());
         let symmetric = outputs == inputs && systems.iter().all(|s| s.outputs == s.inputs);
         let (springs, groups, selected) = springs(machine);
-        let ports = outputs.len() + inputs.len();
-        let chosen = spread(systems.len(), most_positions(systems, springs.len(), ports));
+        let listed = families.modes.iter().map(Vec::len).max().unwrap_or(0);
+        let chosen = spread(systems.len(), most_positions(systems, springs.len(), symmetric, listed));
         let whole = |p: &usize| whole_modes(input, *p);
         let modes = chosen.par_iter().map(whole).collect::<Result<Vec<Cow<'_, Modes>>, _>>()?;
         let systems: Vec<&ModalSystem> = chosen.iter().map(|&p| &systems[p]).collect();
@@ -112,8 +125,13 @@ impl Database {
         let highest = machine.analysis.frequencies.iter().chain(grid).copied().fold(1.0, f64::max);
         arrays.push_f64("position", &[modes.len()], modes.iter().map(|m| m.position));
         arrays.push_f64("frequency", &[grid.len()], grid.iter().copied());
-        push_systems(&mut arrays, &systems, symmetric);
-        push_local(&mut arrays, model, &modes, &selected, highest, symmetric)?;
+        let coupled = push_systems(&mut arrays, &systems, symmetric);
+        let damping = &machine.analysis.damping;
+        let last = families.modes.iter().flatten().map(|m| m.frequency).fold(highest, f64::max);
+        let wanted = LocalInput { model, modes: &modes, symmetric, damping, highest, last };
+        let list = SpringList { entries: &springs, places: &selected, groups: &groups };
+        let (local, accuracy) = Local::all(&wanted, list)?;
+        push_local(&mut arrays, &local);
         let listed = push_families(&mut arrays, families);
         if let Some(first) = input.metrics.first() {
             let shape = [modes.len(), first.len()];
@@ -124,7 +142,6 @@ impl Database {
         let moves = &machine.axis.moves;
         let parts =
             push_shapes(&mut arrays, model, input.superelements, moves, &modes, listed).map_err(ReportError::Shapes)?;
-        let damping = &machine.analysis.damping;
         let header = Header {
             machine: machine.name.clone(),
             axis: machine.axis.name.clone(),
@@ -139,6 +156,9 @@ impl Database {
             rayleigh: damping.rayleigh,
             loss_factor: damping.loss_factor,
             lossy_parts: model.parts.iter().filter(|p| p.loss_factor.is_some()).map(|p| p.name.clone()).collect(),
+            projected: damping.projected,
+            coupled,
+            accuracy: Some(accuracy),
             groups,
             springs,
             table: input.table.iter().map(table_entry).collect(),
@@ -204,37 +224,14 @@ impl Database {
 
     /// What the map was summed from, one a position, to the last bit; nothing if an array is missing.
     pub fn systems(&self) -> Option<Vec<ModalSystem>> {
-        let (_, counts) = self.arrays.u32("nominal_count")?;
-        let (shape, frequency) = self.arrays.f64("nominal_frequency")?;
-        let &[_, m] = shape else { return None };
-        let (o, i) = (self.header.outputs.len(), self.header.inputs.len());
-        let (ratio, loss) = (self.floats("nominal_ratio")?, self.floats("nominal_loss")?);
-        let outputs = self.floats("nominal_outputs")?;
-        let inputs = if self.header.symmetric { outputs.clone() } else { self.floats("nominal_inputs")? };
-        let (shape, residual) = self.arrays.f64("nominal_residual")?;
-        let degrees = *shape.get(1)?;
-        let whole = |v: &Vec<f64>, each: usize| v.len() == counts.len() * each;
-        let lengths = [(&frequency, m), (&ratio, m), (&loss, m), (&outputs, o * m), (&inputs, i * m)];
-        if lengths.iter().any(|(v, each)| !whole(v, *each)) || !whole(&residual, degrees * o * i * 2) {
-            return None;
+        let ports = [self.header.outputs.len(), self.header.inputs.len()];
+        let mut systems = read_sums(&self.arrays, "nominal", ports, self.header.symmetric)?;
+        if let Some(entry) = &self.header.coupled {
+            for (system, exact) in systems.iter_mut().zip(read_coupled(&self.arrays, entry, ports)?) {
+                system.exact = Some(exact);
+            }
         }
-        let one = |(p, &n): (usize, &usize)| {
-            let rows = |v: &[f64], k: usize| DMatrix::from_fn(k, n, |a, r| v[(p * k + a) * m + r]);
-            let c = |d: usize, a: usize, b: usize| {
-                let at = 2 * (((p * degrees + d) * o + a) * i + b);
-                Complex::new(residual[at], residual[at + 1])
-            };
-            (n <= m).then(|| ModalSystem {
-                frequencies: frequency[p * m..p * m + n].to_vec(),
-                damping_ratios: ratio[p * m..p * m + n].to_vec(),
-                loss_factors: loss[p * m..p * m + n].to_vec(),
-                outputs: rows(&outputs, o),
-                inputs: rows(&inputs, i),
-                residual: (0..degrees).map(|d| DMatrix::from_fn(o, i, |a, b| c(d, a, b))).collect(),
-                exact: None,
-            })
-        };
-        counts.iter().enumerate().map(one).collect()
+        Some(systems)
     }
 
     /// Families over the positions; nothing if an array is missing.

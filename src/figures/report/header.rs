@@ -1,5 +1,6 @@
 //! What a modal database says besides numbers: names, settings, which springs change together.
 
+use super::accuracy::Accuracy;
 use super::arrays::Entry;
 use super::shapes::PartSkin;
 use crate::machine::{JointKind, Machine, SpringStiffness};
@@ -35,6 +36,15 @@ pub struct Header {
     pub loss_factor: f64,
     /// Parts with a loss factor of their own: their share cannot be followed when joints change.
     pub lossy_parts: Vec<String>,
+    /// Whether dampers and loss factors of joints and parts are projected on the modes, as the machine file may ask.
+    #[serde(default)]
+    pub projected: bool,
+    /// What couples the modes of the run's sums, where anything does and responses are exact.
+    #[serde(default)]
+    pub coupled: Option<CoupledEntry>,
+    /// How far the page's own solutions hold; missing where an earlier version wrote the database.
+    #[serde(default)]
+    pub accuracy: Option<Accuracy>,
     /// Joints of one kind, which change together.
     pub groups: Vec<Group>,
     /// Springs of the local coordinates.
@@ -51,6 +61,18 @@ pub struct Header {
     pub arrays: Vec<Entry>,
 }
 
+/// Sums between ports and dissipating springs, from which these springs are eliminated at every frequency
+/// ([`crate::frf::ExactDamping`]).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoupledEntry {
+    /// Springs that dissipate.
+    pub springs: usize,
+    /// Whether rows have imaginary parts, which follow all real parts.
+    pub complex: bool,
+    /// Whether rows of inputs are those of outputs.
+    pub symmetric: bool,
+}
+
 /// Joints that change together.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Group {
@@ -62,6 +84,35 @@ pub struct Group {
     pub springs: Vec<usize>,
     /// Diameter of a screw, m, where all have the same.
     pub diameter: Option<f64>,
+    /// Least and largest setting of the slider: a factor of the stiffness, of a screw's diameter.
+    #[serde(default = "stiffness_range")]
+    pub range: [f64; 2],
+}
+
+/// Range of a slider that multiplies a stiffness.
+fn stiffness_range() -> [f64; 2] {
+    [0.25, 4.0]
+}
+
+/// Range of a slider that multiplies the diameter of a screw, whose stiffness goes with the square.
+const DIAMETER_RANGE: [f64; 2] = [0.5, 2.0];
+
+impl Group {
+    /// What a setting of the slider multiplies the springs' stiffness by.
+    pub fn stiffness_factor(&self, setting: f64) -> f64 {
+        if self.name == SCREWS { setting * setting } else { setting }
+    }
+}
+
+/// Name of the group whose slider is a diameter.
+const SCREWS: &str = "screws";
+
+/// The springs of a page with their places among all of the machine, and what changes together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpringList<'a> {
+    pub entries: &'a [SpringEntry],
+    pub places: &'a [usize],
+    pub groups: &'a [Group],
 }
 
 /// A spring of the local coordinates.
@@ -124,7 +175,7 @@ pub(super) fn springs(machine: &Machine) -> (Vec<SpringEntry>, Vec<Group>, Vec<u
     let kinds = [
         ("guides", JointKind::LinearGuide),
         ("bearings", JointKind::Bearing),
-        ("screws", JointKind::BallScrew),
+        (SCREWS, JointKind::BallScrew),
         ("dampers", JointKind::SpringDamper),
     ];
     let mut groups: Vec<Group> = Vec::new();
@@ -138,7 +189,9 @@ pub(super) fn springs(machine: &Machine) -> (Vec<SpringEntry>, Vec<Group>, Vec<u
                     let group = match groups.iter_mut().find(|g| g.name == name) {
                         Some(group) => group,
                         None => {
-                            groups.push(Group { name: name.into(), joints: vec![], springs: vec![], diameter: None });
+                            let range = if name == SCREWS { DIAMETER_RANGE } else { stiffness_range() };
+                            let (joints, springs) = (vec![], vec![]);
+                            groups.push(Group { name: name.into(), joints, springs, diameter: None, range });
                             groups.last_mut().expect("one was pushed")
                         }
                     };

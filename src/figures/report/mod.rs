@@ -5,16 +5,20 @@
 //! anew in few coordinates ([`Around`](crate::coupling::Around)). `docs/report.md` says how, and how accurately. Pictures and
 //! surfaces are drawn by three.js, curves by uPlot, both embedded (`assets/web`).
 
+mod accuracy;
 pub mod arrays;
 mod database;
 mod header;
+mod local;
 mod pack;
 mod page;
 mod shapes;
+mod what_if;
 
+pub use accuracy::Accuracy;
 pub use database::{Database, DatabaseInput};
-pub use header::{Group, Header, SpringEntry, TableEntry, VeeringEntry};
-pub use pack::PAGE;
+pub use header::{CoupledEntry, Group, Header, SpringEntry, TableEntry, VeeringEntry};
+pub use local::PAGE;
 pub use page::{DATABASE_FILE, PAGE_FILE, page, write_page};
 pub use shapes::PartSkin;
 

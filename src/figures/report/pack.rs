@@ -1,106 +1,111 @@
 //! The arrays of a modal database.
 
-use super::ReportError;
 use super::arrays::Arrays;
-use crate::coupling::{Around, AroundOptions, CoupledEigen, CoupledModel};
-use crate::frf::ModalSystem;
-use crate::modal::{ModeFamilies, Modes, TrackedMode};
-use nalgebra::DMatrix;
-use rayon::prelude::*;
-use std::borrow::Cow;
+use super::header::CoupledEntry;
+use super::local::Local;
+use crate::frf::{ExactDamping, ModalSystem};
+use crate::modal::{ModeFamilies, TrackedMode};
+use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-/// The systems that the map is summed from, to the last bit.
-pub(super) fn push_systems(arrays: &mut Arrays, systems: &[&ModalSystem], symmetric: bool) {
+/// The systems that the map is summed from, to the last bit, with what couples their modes.
+pub(super) fn push_systems(arrays: &mut Arrays, systems: &[&ModalSystem], symmetric: bool) -> Option<CoupledEntry> {
+    push_sums(arrays, "nominal", systems, symmetric);
+    let exact = systems.iter().map(|s| s.exact.as_deref()).collect::<Option<Vec<&ExactDamping>>>()?;
+    let first = exact.first()?;
+    let (p, springs) = (exact.len(), first.viscous.len());
+    let sums: Vec<&ModalSystem> = exact.iter().map(|e| &e.system).collect();
+    let symmetric = sums.iter().all(|s| s.outputs == s.inputs);
+    push_sums(arrays, "coupled", &sums, symmetric);
+    arrays.push_f64("coupled_viscous", &[p, springs], exact.iter().flat_map(|e| e.viscous.iter().copied()));
+    arrays.push_f64("coupled_structural", &[p, springs], exact.iter().flat_map(|e| e.structural.iter().copied()));
+    Some(CoupledEntry { springs, complex: first.is_complex, symmetric })
+}
+
+/// Sums over modes with their residual, as arrays whose names begin so.
+fn push_sums(arrays: &mut Arrays, name: &str, systems: &[&ModalSystem], symmetric: bool) {
+    let of = |what: &str| format!("{name}_{what}");
     let p = systems.len();
     let m = systems.iter().map(|s| s.frequencies.len()).max().unwrap_or(0);
     let padded = |v: &[f64]| v.iter().copied().chain(std::iter::repeat_n(0.0, m - v.len())).collect::<Vec<_>>();
-    arrays.push_u32("nominal_count", &[p], systems.iter().map(|s| s.frequencies.len()));
-    arrays.push_f64("nominal_frequency", &[p, m], systems.iter().flat_map(|s| padded(&s.frequencies)));
-    arrays.push_f64("nominal_ratio", &[p, m], systems.iter().flat_map(|s| padded(&s.damping_ratios)));
-    arrays.push_f64("nominal_loss", &[p, m], systems.iter().flat_map(|s| padded(&s.loss_factors)));
+    arrays.push_u32(&of("count"), &[p], systems.iter().map(|s| s.frequencies.len()));
+    arrays.push_f64(&of("frequency"), &[p, m], systems.iter().flat_map(|s| padded(&s.frequencies)));
+    arrays.push_f64(&of("ratio"), &[p, m], systems.iter().flat_map(|s| padded(&s.damping_ratios)));
+    arrays.push_f64(&of("loss"), &[p, m], systems.iter().flat_map(|s| padded(&s.loss_factors)));
     let rows = |a: &DMatrix<f64>| {
         a.row_iter().flat_map(|r| padded(&r.iter().copied().collect::<Vec<_>>())).collect::<Vec<_>>()
     };
     let (o, i) = systems.first().map_or((0, 0), |s| (s.outputs.nrows(), s.inputs.nrows()));
-    arrays.push_f64("nominal_outputs", &[p, o, m], systems.iter().flat_map(|s| rows(&s.outputs)));
+    arrays.push_f64(&of("outputs"), &[p, o, m], systems.iter().flat_map(|s| rows(&s.outputs)));
     if !symmetric {
-        arrays.push_f64("nominal_inputs", &[p, i, m], systems.iter().flat_map(|s| rows(&s.inputs)));
+        arrays.push_f64(&of("inputs"), &[p, i, m], systems.iter().flat_map(|s| rows(&s.inputs)));
     }
     let degrees = systems.iter().map(|s| s.residual.len()).max().unwrap_or(0);
     let coefficients = systems.iter().flat_map(|s| (0..degrees).map(move |d| s.residual.get(d)));
     let zero = DMatrix::zeros(o, i);
     let values =
         coefficients.flat_map(|c| c.unwrap_or(&zero).transpose().iter().flat_map(|v| [v.re, v.im]).collect::<Vec<_>>());
-    arrays.push_f64("nominal_residual", &[p, degrees, o, i, 2], values);
+    arrays.push_f64(&of("residual"), &[p, degrees, o, i, 2], values);
 }
 
-/// What the page keeps of the machine as it was run: fewer coordinates than a sweep, because the page finds their modes at
-/// every position while a slider moves.
-pub const PAGE: AroundOptions = AroundOptions { band: 1.05, tolerance: 2e-2 };
-
-/// The machine around its nominal joints at one position, as the page holds it.
-struct Local {
-    /// Eigenvalues, (rad/s)^2.
-    eigenvalues: Vec<f64>,
-    /// How many of them, the first, are free motions.
-    free: usize,
-    /// Elongations of the springs, then outputs, then inputs, over the coordinates.
-    rows: DMatrix<f64>,
-    /// Static flexibility between the rows that the coordinates leave out.
-    residual: DMatrix<f64>,
-    /// Of the springs.
-    stiffness: Vec<f64>,
-}
-
-/// Motion of springs and ports below which a free motion is left out, relative to the largest of any coordinate.
-const UNFELT: f64 = 1e-9;
-
-impl Local {
-    fn new(around: &Around, symmetric: bool) -> Self {
-        let (n_springs, n_outputs) = (around.springs.nrows(), around.outputs.nrows());
-        let ports = if symmetric { n_outputs } else { n_outputs + around.inputs.nrows() };
-        let places: Vec<usize> = around.varied.iter().copied().chain((0..ports).map(|p| n_springs + p)).collect();
-        let row = |place: usize, r: usize| match place {
-            s if s < n_springs => around.springs[(s, r)],
-            o if o < n_springs + n_outputs => around.outputs[(o - n_springs, r)],
-            i => around.inputs[(i - n_springs - n_outputs, r)],
-        };
-        let rows = DMatrix::from_fn(places.len(), around.n(), |i, r| row(places[i], r));
-        let largest = rows.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
-        let is_free = |r: usize| r < around.free;
-        let kept: Vec<usize> =
-            (0..around.n()).filter(|&r| !is_free(r) || rows.column(r).norm() > UNFELT * largest).collect();
-        Self {
-            free: kept.iter().filter(|r| is_free(**r)).count(),
-            eigenvalues: kept.iter().map(|&r| around.eigenvalues[r]).collect(),
-            rows: rows.select_columns(&kept),
-            residual: DMatrix::from_fn(places.len(), places.len(), |i, j| around.residual[(places[i], places[j])]),
-            stiffness: around.varied.iter().map(|&s| around.base[s]).collect(),
-        }
+/// Reads what [`push_sums`] wrote for ports of so many outputs and inputs; nothing if an array is missing or too short.
+pub(super) fn read_sums(arrays: &Arrays, name: &str, ports: [usize; 2], symmetric: bool) -> Option<Vec<ModalSystem>> {
+    let [o, i] = ports;
+    let of = |what: &str| arrays.f64(&format!("{name}_{what}"));
+    let (_, counts) = arrays.u32(&format!("{name}_count"))?;
+    let (shape, frequency) = of("frequency")?;
+    let &[_, m] = shape else { return None };
+    let (ratio, loss, outputs) = (of("ratio")?.1, of("loss")?.1, of("outputs")?.1);
+    let inputs = if symmetric { outputs.clone() } else { of("inputs")?.1 };
+    let (shape, residual) = of("residual")?;
+    let degrees = *shape.get(1)?;
+    let whole = |v: &Vec<f64>, each: usize| v.len() == counts.len() * each;
+    let lengths = [(&frequency, m), (&ratio, m), (&loss, m), (&outputs, o * m), (&inputs, i * m)];
+    if lengths.iter().any(|(v, each)| !whole(v, *each)) || !whole(&residual, degrees * o * i * 2) {
+        return None;
     }
+    let one = |(p, &n): (usize, &usize)| {
+        let rows = |v: &[f64], k: usize| DMatrix::from_fn(k, n, |a, r| v[(p * k + a) * m + r]);
+        let c = |d: usize, a: usize, b: usize| {
+            let at = 2 * (((p * degrees + d) * o + a) * i + b);
+            Complex::new(residual[at], residual[at + 1])
+        };
+        (n <= m).then(|| ModalSystem {
+            frequencies: frequency[p * m..p * m + n].to_vec(),
+            damping_ratios: ratio[p * m..p * m + n].to_vec(),
+            loss_factors: loss[p * m..p * m + n].to_vec(),
+            outputs: rows(&outputs, o),
+            inputs: rows(&inputs, i),
+            residual: (0..degrees).map(|d| DMatrix::from_fn(o, i, |a, b| c(d, a, b))).collect(),
+            exact: None,
+        })
+    };
+    counts.iter().enumerate().map(one).collect()
+}
+
+/// Reads what couples the modes of systems with so many outputs and inputs; nothing if an array is missing or too short.
+pub(super) fn read_coupled(
+    arrays: &Arrays,
+    entry: &CoupledEntry,
+    [o, i]: [usize; 2],
+) -> Option<Vec<Arc<ExactDamping>>> {
+    let (s, parts) = (entry.springs, if entry.complex { 2 } else { 1 });
+    let sums = read_sums(arrays, "coupled", [(o + s) * parts, (i + s) * parts], entry.symmetric)?;
+    let (viscous, structural) = (arrays.f64("coupled_viscous")?.1, arrays.f64("coupled_structural")?.1);
+    if viscous.len() != sums.len() * s || structural.len() != viscous.len() {
+        return None;
+    }
+    let of = |all: &[f64], p: usize| all[p * s..(p + 1) * s].to_vec();
+    let one = |(p, system)| Arc::new(ExactDamping::new(system, entry.complex, of(&viscous, p), of(&structural, p)));
+    Some(sums.into_iter().enumerate().map(one).collect())
 }
 
 /// The machine around its nominal joints at every position: eigenvalues in Hz^2, rows, residual flexibility, stiffness.
-pub(super) fn push_local(
-    arrays: &mut Arrays,
-    model: &CoupledModel,
-    modes: &[Cow<'_, Modes>],
-    springs: &[usize],
-    highest: f64,
-    symmetric: bool,
-) -> Result<(), ReportError> {
-    let one = |modes: &Cow<'_, Modes>| -> Result<Local, ReportError> {
-        let stiffness = model.stiffness(modes.position)?;
-        let base =
-            CoupledEigen { values: modes.eigenvalues.clone().into(), vectors: modes.shapes.clone(), free: modes.free };
-        let at = model.at(modes.position)?;
-        Ok(Local::new(&model.around_modes(&at, &stiffness, &base, springs, highest, PAGE)?, symmetric))
-    };
-    let all = modes.par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+pub(super) fn push_local(arrays: &mut Arrays, all: &[Local]) {
     let p = all.len();
     let n = all.iter().map(|l| l.eigenvalues.len()).max().unwrap_or(0);
-    let rows = all.first().map_or(0, |l| l.rows.nrows());
+    let (rows, springs) = all.first().map_or((0, 0), |l| (l.rows.nrows(), l.stiffness.len()));
     let padded = |v: Vec<f64>| {
         let rest = n - v.len();
         v.into_iter().chain(std::iter::repeat_n(0.0, rest)).collect::<Vec<_>>()
@@ -113,8 +118,7 @@ pub(super) fn push_local(
     arrays.push_f32("local_rows", &[p, rows, n], all.iter().flat_map(of_rows));
     let flexibility = all.iter().flat_map(|l| l.residual.transpose().iter().copied().collect::<Vec<_>>());
     arrays.push_f32("local_residual", &[p, rows, rows], flexibility);
-    arrays.push_f64("stiffness", &[p, springs.len()], all.iter().flat_map(|l| l.stiffness.iter().copied()));
-    Ok(())
+    arrays.push_f64("stiffness", &[p, springs], all.iter().flat_map(|l| l.stiffness.iter().copied()));
 }
 
 /// Families by rank, 0 where a position has fewer; returns the modes listed a position.

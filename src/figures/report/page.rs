@@ -10,11 +10,12 @@ pub const PAGE_FILE: &str = "report.html";
 /// Name of the modal database in a result folder.
 pub const DATABASE_FILE: &str = "modal_database.bin";
 
-/// The page's own scripts, in the order in which they are read; the first five run in workers too.
-const SCRIPTS: [&str; 15] = [
+/// The page's own scripts, in the order in which they are read; the first six run in workers too.
+const SCRIPTS: [&str; 16] = [
     include_str!("page/database.js"),
     include_str!("page/eigen.js"),
     include_str!("page/machine.js"),
+    include_str!("page/exact.js"),
     include_str!("page/sum.js"),
     include_str!("page/worker.js"),
     include_str!("page/gpu.js"),
@@ -29,7 +30,7 @@ const SCRIPTS: [&str; 15] = [
     include_str!("page/main.js"),
 ];
 /// Scripts that a worker reads.
-const IN_WORKERS: usize = 5;
+const IN_WORKERS: usize = 6;
 
 /// The page as text.
 ///

@@ -28,6 +28,7 @@ function buildControls(page) {
     $(name).addEventListener("input", () => page.set(window_(page, name, Number($(name).value))));
   }
   $("resolution").addEventListener("input", () => page.set({ resolution: Number($("resolution").value) }));
+  if (header.accuracy) $("damping").min = header.accuracy.least_ratio;
   $("damping").addEventListener("input", () => page.set({ damping: Number($("damping").value) }));
   buildFactors(page);
   $("reset").addEventListener("click", () => {
@@ -50,7 +51,8 @@ function window_(page, name, value) {
 function buildFactors(page) {
   const { header } = page.db;
   for (const group of header.groups) {
-    const { label, low, high } = GROUPS[group.name];
+    const label = GROUPS[group.name];
+    const [low, high] = group.range;
     const id = `factor-${group.name}`;
     const input = element("input", { id, type: "range", min: low, max: high, step: 0.01, value: 1 });
     input.setAttribute("aria-label", `${label}, times that of the run: ${group.joints.join(", ")}`);
@@ -160,15 +162,16 @@ function buildCurves(page) {
 function showCurves(page) {
   const { state, engine, db, order, along, curves } = page;
   const nInputs = db.header.inputs.length;
-  const power = state.quantity === "stiffness" ? 0 : Number(state.quantity);
+  const power = page.power();
+  const response = page.responses();
   const value = [0, 0];
   const at = (system, f) => {
-    responseAt(system, state.output, state.input, nInputs, f, power, value);
+    response(system, state.output, state.input, nInputs, f, power, value);
     const shown = page.shown(value[0] * 1e6, value[1] * 1e6);
     return Number.isFinite(shown) ? shown : null;
   };
   const log = state.part === "log";
-  const changed = engine.key !== "";
+  const changed = page.isChanged();
   const accent = css("--accent");
   const quiet = css("--quiet");
   const series = (now, before) => [
@@ -179,22 +182,24 @@ function showCurves(page) {
   $("frequency-title").textContent = `Frequency response at ${place}`;
   const count = 1200;
   const grid = Array.from({ length: count }, (_, k) => state.from + ((state.to - state.from) * k) / (count - 1));
-  const over = (systems) => grid.map((f) => at(systems[state.position], f));
+  // Changed machines are drawn as far as the page reaches.
+  const known = (systems, f) => systems === engine.nominal || f <= page.reach;
+  const over = (systems) => grid.map((f) => (known(systems, f) ? at(systems[state.position], f) : null));
   curves.frequency.marker = state.frequency;
   const [nowF, beforeF] = [over(engine.systems), changed ? over(engine.nominal) : null];
   curves.frequency.show(grid, series(nowF, beforeF), { x: "Frequency [Hz]", y: page.label() }, log);
   $("position-title").textContent = `Response over position at ${state.frequency.toFixed(1)} Hz`;
-  const along_ = (systems) => order.map((p) => at(systems[p], state.frequency));
+  const along_ = (systems) => order.map((p) => (known(systems, state.frequency) ? at(systems[p], state.frequency) : null));
   curves.position.marker = db.positions[state.position] * 1e3;
   const axis = `Position ${db.header.axis} [mm]`;
   const [nowP, beforeP] = [along_(engine.systems), changed ? along_(engine.nominal) : null];
   curves.position.show(along, series(nowP, beforeP), { x: axis, y: page.label() }, log);
   for (const curve of [curves.families, curves.stiffness]) curve.setMarker(db.positions[state.position] * 1e3);
-  const key = `${engine.key} ${state.from} ${state.to} ${isDark()}`;
+  const key = `${engine.key} ${page.map.exact} ${state.from} ${state.to} ${isDark()}`;
   if (key === page.shownKey) return;
   page.shownKey = key;
   showFamilies(page, axis, changed);
-  showStiffness(page, axis);
+  showStiffness(page, axis, changed);
 }
 
 function showFamilies(page, axis, changed) {
@@ -217,8 +222,7 @@ function showFamilies(page, axis, changed) {
     points: order.length < 2,
   }));
   if (changed) {
-    const elastic = (p) => Array.from(engine.systems[p].frequency).filter((f) => f > 0);
-    const now = order.map(elastic);
+    const now = order.map((p) => page.drawnFrequencies(p));
     for (let r = 0; r < families.size; r++) {
       const values = now.map((list) => list[r] ?? null);
       const style = { colour: css("--ink"), dash: [2, 3], width: 1, points: order.length < 2 };
@@ -228,12 +232,13 @@ function showFamilies(page, axis, changed) {
   curves.families.show(along, series, { x: axis, y: "Frequency [Hz]" }, false);
 }
 
-function showStiffness(page, axis) {
+function showStiffness(page, axis, changed) {
   const { db, order, along, engine, curves, state } = page;
   const { outputs, inputs } = db.header;
   const directions = outputs.map((name, o) => ({ name, o, i: inputs.indexOf(name) })).filter(({ i }) => i >= 0);
   page.weakest = directions.map(({ name, o, i }, k) => {
-    const found = order.map((p) => largestResponse(engine.systems[p], o, i, inputs.length, state.from, state.to));
+    const to = changed ? Math.min(state.to, page.reach) : state.to;
+    const found = order.map((p) => largestResponse(engine.systems[p], o, i, inputs.length, state.from, to, page.responses()));
     return { name, colour: familyColour(k + 1), found, values: found.map(({ value }) => 1e-6 / value) };
   });
   const series = page.weakest.map(({ name, values, colour }) => ({

@@ -1,37 +1,58 @@
 // The machine at a position as a sum of modes: as it was run, or with changed joints and damping.
 //
 // A system: { n, frequency, viscous, loss, outputs, inputs, residual, degrees }, with viscous = 2 zeta f and
-// loss = eta f^2 (Hz, Hz^2), shapes [port, mode], residual [degree, output, input, re | im] in powers of j omega.
+// loss = eta f^2 (Hz, Hz^2), shapes [port, mode], residual [degree, output, input, re | im] in powers of j omega. Where
+// damping couples the modes these are projected on them, and `exact` (exact.js) holds what they leave out.
 
 const TAU = 2 * Math.PI;
 // The share of the largest motion of the ports below which a free motion is not felt. Which motions are free is a
 // count that the program finds from the joints; a mode at 0.1 Hz on soft mounts is not one.
 const FELT = 1e-6;
+// A mode that only springs damp has no damping in the sum that they are eliminated from: this loss factor keeps it finite.
+const FLOOR = 1e-9;
 
 function sizes(db) {
   const { outputs, inputs, springs, symmetric } = db.header;
   return { s: springs.length, o: outputs.length, i: inputs.length, extra: symmetric ? 0 : inputs.length };
 }
 
-// The system that the run's map was summed from.
+// The system that the run's map was summed from, with the sums of its dissipating springs where damping couples modes.
 function nominalSystem(db, p) {
   const { o, i } = sizes(db);
-  const m = db.shape("nominal_frequency")[1];
-  const degrees = db.shape("nominal_residual")[1];
-  const n = db.values("nominal_count")[p];
-  const part = (name, k) => db.values(name).subarray(p * k, (p + 1) * k);
-  const frequency = part("nominal_frequency", m).slice(0, n);
+  const system = storedSums(db, p, "nominal", o, i, db.header.symmetric);
+  const { coupled } = db.header;
+  if (!coupled) return system;
+  const { springs, complex, symmetric } = coupled;
+  const parts = complex ? 2 : 1;
+  const of = (name) => db.values(name).subarray(p * springs, (p + 1) * springs);
+  system.exact = {
+    ...storedSums(db, p, "coupled", (o + springs) * parts, (i + springs) * parts, symmetric),
+    springs,
+    complex,
+    damper: of("coupled_viscous"),
+    structural: of("coupled_structural"),
+  };
+  return system;
+}
+
+// Sums over modes between so many output and input rows, from the arrays whose names begin so.
+function storedSums(db, p, prefix, o, i, symmetric) {
+  const m = db.shape(`${prefix}_frequency`)[1];
+  const degrees = db.shape(`${prefix}_residual`)[1];
+  const n = db.values(`${prefix}_count`)[p];
+  const part = (name, k) => db.values(`${prefix}_${name}`).subarray(p * k, (p + 1) * k);
+  const frequency = part("frequency", m).slice(0, n);
   const rows = (name, k) => {
     const all = part(name, k * m);
     const out = new Float64Array(k * n);
     for (let a = 0; a < k; a++) out.set(all.subarray(a * m, a * m + n), a * n);
     return out;
   };
-  const outputs = rows("nominal_outputs", o);
-  const inputs = db.header.symmetric ? outputs : rows("nominal_inputs", i);
-  const viscous = part("nominal_ratio", m).slice(0, n).map((zeta, r) => 2 * zeta * frequency[r]);
-  const loss = part("nominal_loss", m).slice(0, n).map((eta, r) => eta * frequency[r] * frequency[r]);
-  const residual = part("nominal_residual", degrees * o * i * 2);
+  const outputs = rows("outputs", o);
+  const inputs = symmetric ? outputs : rows("inputs", i);
+  const viscous = part("ratio", m).slice(0, n).map((zeta, r) => 2 * zeta * frequency[r]);
+  const loss = part("loss", m).slice(0, n).map((eta, r) => eta * frequency[r] * frequency[r]);
+  const residual = part("residual", degrees * o * i * 2);
   return { n, frequency, viscous, loss, outputs, inputs, residual, degrees };
 }
 
@@ -126,7 +147,13 @@ function changedSystem(db, p, factors, damping) {
       for (let r = 0; r < n; r++) space.rows[w * n + r] -= c * forces[a * n + r];
     }
   });
-  const direct = directFlexibility(changed, f, flexibility, width, s, o, i, extra);
+  // Rows and columns of what no coordinate carries: ports, then the springs that dissipate.
+  const ports = (first, count) => Array.from({ length: count }, (_, k) => first + k);
+  const springs = lossy.map((spring) => spring.k);
+  const direct = directFlexibility(changed, f, flexibility, width, [
+    [...ports(s, o), ...springs],
+    [...ports(extra > 0 ? s + o : s, i), ...springs],
+  ]);
   const d = new Float64Array(n);
   if (nc === 0) {
     d.set(eigenvalues);
@@ -158,29 +185,29 @@ function damps(spring) {
   return spring.damping > 0 || spring.loss_factor > 0;
 }
 
-// C_pp - C_ps F C_sp as a residual of degree 0.
-function directFlexibility(changed, f, c, width, s, o, i, extra) {
+// C - C_s F C_s between rows and columns as a residual of degree 0.
+function directFlexibility(changed, f, c, width, [rows, columns]) {
   const nc = changed.length;
-  const residual = new Float64Array(o * i * 2);
-  for (let a = 0; a < o; a++) {
-    for (let b = 0; b < i; b++) {
-      const [ra, rb] = [s + a, s + (extra > 0 ? o : 0) + b];
-      let value = c[ra * width + rb];
-      for (let k = 0; k < nc; k++) {
-        for (let l = 0; l < nc; l++) {
-          value -= c[ra * width + changed[k].spring] * f[k * nc + l] * c[rb * width + changed[l].spring];
-        }
-      }
-      residual[2 * (a * i + b)] = value;
+  const residual = new Float64Array(rows.length * columns.length * 2);
+  rows.forEach((ra, a) => {
+    const through = new Float64Array(nc);
+    for (let k = 0; k < nc; k++) {
+      for (let l = 0; l < nc; l++) through[l] += c[ra * width + changed[k].spring] * f[k * nc + l];
     }
-  }
+    columns.forEach((rb, b) => {
+      let value = c[ra * width + rb];
+      for (let l = 0; l < nc; l++) value -= through[l] * c[rb * width + changed[l].spring];
+      residual[2 * (a * columns.length + b)] = value;
+    });
+  });
   return residual;
 }
 
 // Orders the modes, leaves out free motions that the ports do not feel and gives each its damping.
 function modalSystem(db, eigenvalues, shapes, residual, damping) {
   const { o, i } = sizes(db);
-  const { ports, rows, n } = shapes;
+  const { ports, rows, n, lossy } = shapes;
+  const springs = lossy.length;
   const order = Array.from(eigenvalues.keys()).sort((a, b) => eigenvalues[a] - eigenvalues[b]);
   const hertz = (r) => Math.sqrt(Math.max(eigenvalues[r], 0));
   const norm = (r, from, to) => {
@@ -190,41 +217,78 @@ function modalSystem(db, eigenvalues, shapes, residual, damping) {
   };
   const motion = (r) => norm(r, 0, o) * norm(r, ports - i, ports);
   const largest = order.reduce((top, r) => Math.max(top, motion(r)), 0);
-  const free = order.slice(0, shapes.free);
-  const kept = order.filter((r, rank) => rank >= shapes.free || motion(r) > FELT * largest);
+  const kept = order.map((r, rank) => ({ r, free: rank < shapes.free })).filter(({ r, free }) => !free || motion(r) > FELT * largest);
   const size = kept.length;
-  const system = {
+  // Outputs and springs, inputs and springs over the modes that are kept.
+  const over = (list) => {
+    const out = new Float64Array(list.length * size);
+    list.forEach((row, a) => kept.forEach(({ r }, q) => (out[a * size + q] = rows[row * n + r])));
+    return out;
+  };
+  const list = (first, count) => Array.from({ length: count }, (_, k) => first + k);
+  const own = list(ports, springs);
+  const frequency = new Float64Array(size);
+  const system = { n: size, frequency, degrees: 1, residual };
+  const projected = { viscous: new Float64Array(size), loss: new Float64Array(size) };
+  const whole = { viscous: new Float64Array(size), loss: new Float64Array(size) };
+  let elastic = 0;
+  kept.forEach(({ r, free }, q) => {
+    if (free) return;
+    const f = hertz(r);
+    const [zeta, eta] = modeDamping(db.header, elastic++, f, damping);
+    const [dampers, losses] = springDamping(shapes, r, f);
+    frequency[q] = f;
+    projected.viscous[q] = 2 * (zeta + dampers) * f;
+    projected.loss[q] = (eta + losses) * f * f;
+    whole.viscous[q] = 2 * zeta * f;
+    whole.loss[q] = (2 * zeta + eta < FLOOR ? FLOOR : eta) * f * f;
+  });
+  const outputs = over(list(0, o));
+  const inputs = db.header.symmetric ? outputs : over(list(ports - i, i));
+  Object.assign(system, projected, { outputs, inputs });
+  if (springs === 0) return system;
+  system.residual = withoutSprings(residual, o, i, springs);
+  if (db.header.projected) return system;
+  system.exact = {
+    ...whole,
     n: size,
-    frequency: new Float64Array(size),
-    viscous: new Float64Array(size),
-    loss: new Float64Array(size),
-    outputs: new Float64Array(o * size),
+    frequency,
+    outputs: over([...list(0, o), ...own]),
+    inputs: over([...list(ports - i, i), ...own]),
     residual,
     degrees: 1,
+    springs,
+    complex: false,
+    damper: lossy.map((spring) => spring.damping),
+    structural: lossy.map(({ k, loss_factor }) => loss_factor * shapes.factors[k] * shapes.stiffness[k]),
   };
-  system.inputs = db.header.symmetric ? system.outputs : new Float64Array(i * size);
-  let elastic = 0;
-  kept.forEach((r, q) => {
-    for (let a = 0; a < o; a++) system.outputs[a * size + q] = rows[a * n + r];
-    for (let b = 0; b < i && !db.header.symmetric; b++) system.inputs[b * size + q] = rows[(o + b) * n + r];
-    if (free.includes(r)) return;
-    const f = hertz(r);
-    const [zeta, eta] = modeDamping(db.header, shapes, r, elastic++, f, damping);
-    system.frequency[q] = f;
-    system.viscous[q] = 2 * zeta * f;
-    system.loss[q] = eta * f * f;
-  });
   return system;
 }
 
-// Viscous ratio and loss factor of a mode, as the program projects them.
-function modeDamping(header, shapes, r, elastic, f, damping) {
+// The residual between ports alone.
+function withoutSprings(residual, o, i, springs) {
+  const out = new Float64Array(o * i * 2);
+  for (let a = 0; a < o; a++) {
+    const from = 2 * a * (i + springs);
+    out.set(residual.subarray(from, from + 2 * i), 2 * a * i);
+  }
+  return out;
+}
+
+// Viscous ratio and loss factor of a mode by what damps all of the machine.
+function modeDamping(header, elastic, f, damping) {
   if (damping !== null) return [damping, 0];
   const omega = TAU * f;
   const ratios = header.damping_ratios;
   let zeta = ratios.length > 0 ? ratios[Math.min(elastic, ratios.length - 1)] : 0;
   if (header.rayleigh) zeta += 0.5 * (header.rayleigh[0] / omega + header.rayleigh[1] * omega);
-  let eta = header.loss_factor;
+  return [zeta, header.loss_factor];
+}
+
+// What dampers and loss factors of joints add, projected on the mode.
+function springDamping(shapes, r, f) {
+  const omega = TAU * f;
+  let [zeta, eta] = [0, 0];
   shapes.lossy.forEach((spring, k) => {
     const elongation = shapes.rows[(shapes.ports + k) * shapes.n + r];
     const square = elongation * elongation;

@@ -20,10 +20,10 @@ const PARTS = {
 // A logarithmic scale spans this many powers of ten at most.
 const DECADES = 5;
 const GROUPS = {
-  guides: { label: "stiffness of the guides", low: 0.25, high: 4 },
-  bearings: { label: "stiffness of the bearings", low: 0.25, high: 4 },
-  screws: { label: "diameter of the screw", low: 0.5, high: 2 },
-  dampers: { label: "stiffness of the spring-dampers", low: 0.25, high: 4 },
+  guides: "stiffness of the guides",
+  bearings: "stiffness of the bearings",
+  screws: "diameter of the screw",
+  dampers: "stiffness of the spring-dampers",
 };
 
 const stiffmap = { timings: {}, errors: [] };
@@ -59,6 +59,11 @@ class Page {
     };
     this.busy = null;
     this.again = false;
+    // Resolves once what is shown has its damping exactly.
+    this.settled = Promise.resolve();
+    this.round = 0;
+    // Frequencies of a changed machine above this one are not the machine's.
+    this.reach = header.accuracy ? header.accuracy.reach_hz : header.highest_hz;
   }
 
   // Opens what computes and what draws, then shows the machine as run.
@@ -74,13 +79,13 @@ class Page {
     }
     this.curves = buildCurves(this);
     await this.engine.open(shader, withoutGpu);
-    $("engine").textContent = `Maps computed by ${this.engine.engineName()}`;
+    $("reach").textContent = reachText(this.db.header);
     await this.refresh();
     stiffmap.timings.first = performance.now();
     this.startShapes();
     $("facts").append(...runFacts(this.manifest));
     $("family-table").append(familyTable(this.db.header));
-    $("remarks").append(...remarks(this.db));
+    $("remarks").append(...remarks(this.db, this.manifest));
     setTimeout(() => this.engine.startWorkers(), 100);
   }
 
@@ -111,6 +116,7 @@ class Page {
   // Computes and draws; while that runs, further calls are answered by one more run with the newest state.
   refresh() {
     this.again = true;
+    this.round++;
     if (!this.busy) {
       this.busy = this.run().finally(() => {
         this.busy = null;
@@ -131,6 +137,54 @@ class Page {
       await new Promise((resolve) => setTimeout(resolve, 0));
       if (!this.again) this.showRest();
     }
+    this.settled = this.settle();
+    this.settled.catch((error) => fail(`The map with exact damping was not computed: ${error.message || error}`));
+  }
+
+  // Where damping couples the modes: surface and curves with that damping exact, once nothing moves.
+  async settle() {
+    const { state, engine, round } = this;
+    if (!engine.isCoupled()) return;
+    const { frequencies } = this.map;
+    const isWanted = () => round === this.round;
+    const values = await engine.exactMap(state.output, state.input, frequencies, this.power(), isWanted);
+    if (!values) return;
+    this.map = { frequencies, values: this.withinReach(frequencies, values), engine: "JavaScript", exact: true };
+    this.drawSurface(frequencies, this.map.values);
+    this.showEngine();
+    this.showRest();
+  }
+
+  // What single responses are computed by: as the surface that is shown.
+  responses() {
+    return this.map.exact ? responseAt : projectedAt;
+  }
+
+  power() {
+    return this.state.quantity === "stiffness" ? 0 : Number(this.state.quantity);
+  }
+
+  isChanged() {
+    return this.engine.key !== "";
+  }
+
+  // A map of changed machines without what is beyond the page's reach.
+  withinReach(frequencies, values) {
+    if (!this.isChanged() || frequencies[frequencies.length - 1] <= this.reach) return values;
+    const n = frequencies.length;
+    for (let at = 0; at < values.length; at++) if (frequencies[(at >> 1) % n] > this.reach) values[at] = NaN;
+    return values;
+  }
+
+  showEngine() {
+    const { engine, map } = this;
+    let text = `Maps computed by ${engine.engineName()}`;
+    if (engine.isCoupled()) {
+      text += map.exact
+        ? "; shown: by JavaScript, with the damping of joints and parts exact"
+        : "; shown: with the damping of joints and parts projected on the modes while settings change, exact in a moment";
+    }
+    $("engine").textContent = text;
   }
 
   grid() {
@@ -145,18 +199,18 @@ class Page {
     const { factors, damping } = state;
     await engine.solve({ factors, damping });
     const solved = performance.now();
-    const power = state.quantity === "stiffness" ? 0 : Number(state.quantity);
-    const values = await engine.map(state.output, state.input, grid, power);
+    const values = await engine.map(state.output, state.input, grid, this.power());
     const summed = performance.now();
-    this.map = { frequencies: grid, values, engine: engine.engineName() };
-    this.drawSurface(grid, values);
+    const exact = !engine.isCoupled();
+    this.map = { frequencies: grid, values: this.withinReach(grid, values), engine: engine.engineName(), exact };
+    this.drawSurface(grid, this.map.values);
     await this.painted();
     const drawn = performance.now();
     const [all, solve, sum, draw] = [drawn - started, solved - started, summed - solved, drawn - summed];
     stiffmap.timings.last = { all, solve, sum, draw, factor: factors.guides, at: drawn };
     const split = `${solve.toFixed(0)} to solve, ${sum.toFixed(0)} to sum, ${draw.toFixed(0)} to draw`;
     $("timing").textContent = `${this.order.length} × ${grid.length} pairs in ${all.toFixed(0)} ms (${split})`;
-    $("engine").textContent = `Maps computed by ${engine.engineName()}`;
+    this.showEngine();
   }
 
   // Resolves after the frame that shows the surface.
@@ -203,7 +257,8 @@ class Page {
       }
     });
     const scale = heightScale(state.part, low, high);
-    for (let k = 0; k < numbers.length; k++) numbers[k] = scale.at(numbers[k]);
+    // What is not known lies on the floor.
+    for (let k = 0; k < numbers.length; k++) numbers[k] = Number.isFinite(numbers[k]) ? scale.at(numbers[k]) : 0;
     const [x0, x1] = [grid[0], grid[n - 1]];
     const [z0, z1] = [this.along[0], this.along[this.along.length - 1]];
     this.surface.setGrid(
@@ -237,12 +292,17 @@ class Page {
     this.surface.setCursor(Math.min(Math.max(column, 0), resolution - 1), row);
   }
 
+  // Elastic frequencies of the settings' machine at a position, by rank, as far as the page reaches.
+  drawnFrequencies(position) {
+    return Array.from(this.engine.systems[position].frequency).filter((f) => f > 0 && f <= this.reach);
+  }
+
   // Everything beside the surface.
   showRest() {
     showCurves(this);
     const { position } = this.state;
     $("mode-table").replaceChildren(
-      modeTable(this.db, position, this.engine.systems[position], this.engine.key !== ""),
+      modeTable(this.db, position, this.isChanged() ? this.drawnFrequencies(position) : null),
     );
   }
 
@@ -310,20 +370,6 @@ function heightScale(part, low, high) {
   const range = high > low ? high - low : 1;
   const ticks = part === "phase" ? [-180, -90, 0, 90, 180] : roundTicks(low, high, 5);
   return { ticks: ticks.map((v) => ({ at: (v - low) / range, text: digits(v, 3) })), at: (v) => (v - low) / range };
-}
-
-function remarks(db) {
-  const { header } = db;
-  const lines = [];
-  if (db.positions.length < header.positions_of_run) {
-    lines.push(`This page holds ${db.positions.length} of the run's ${header.positions_of_run} positions.`);
-  }
-  lines.push(...header.free_motions.map((text) => `Free motion at 0 Hz: ${text}.`));
-  for (const v of header.veerings) {
-    const place = `${mm(v.from_m)} and ${mm(v.to_m)} mm`;
-    lines.push(`Families ${v.families.join(" and ")} veer between ${place} (MAC ${v.mac.toFixed(2)}): both labellings are conventions there.`);
-  }
-  return lines.map((textContent) => element("p", { className: "hint", textContent }));
 }
 
 function fail(text) {

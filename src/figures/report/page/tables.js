@@ -40,13 +40,14 @@ function mm(metres) {
   return digits(1e3 * metres, 6);
 }
 
-// Modes at a position: as run, and what the settings make of them by rank.
-function modeTable(db, p, system, changed) {
+// Modes at a position: as run, and what the settings make of them by rank; `now` are the settings' elastic frequencies
+// as far as the page reaches, or null.
+function modeTable(db, p, now) {
   const listed = db.shape("family")[1];
   const at = (name, r) => db.values(name)[p * listed + r];
+  const within = db.header.accuracy ? db.header.accuracy.frequency : [];
   const rows = [];
   let elastic = 0;
-  const now = Array.from(system.frequency).filter((f) => f > 0);
   for (let r = 0; r < listed; r++) {
     const family = at("family", r);
     if (family === 0) continue;
@@ -54,12 +55,14 @@ function modeTable(db, p, system, changed) {
     const free = f === 0;
     const own = free ? "–" : digits(100 * at("family_ratio", r), 4);
     const row = [r + 1, family, free ? "0 (free)" : f.toFixed(3), own];
-    if (changed) row.push(free ? "–" : now[elastic].toFixed(3));
+    if (now && free) row.push("–", "–");
+    else if (now && elastic < now.length) row.push(now[elastic].toFixed(3), within[elastic]?.toExponential(1) ?? "not measured");
+    else if (now) row.push("– (beyond the page's reach)", "–");
     if (!free) elastic++;
     rows.push(row);
   }
   const head = ["rank", "family", "as run [Hz]", "damping [%]"];
-  if (changed) head.push("with the settings [Hz]");
+  if (now) head.push("with the settings [Hz]", "off by at most");
   return table(`Modes at ${db.header.axis} = ${mm(db.positions[p])} mm`, head, rows);
 }
 
@@ -111,6 +114,39 @@ function drawMac(canvas, db, p, q, scale) {
   const weakest = best.indexOf(Math.min(...best));
   canvas.setAttribute("aria-label", `MAC matrix; weakest best match ${best[weakest].toFixed(2)} for rank ${weakest + 1}`);
   return { values, listed };
+}
+
+// How far and how accurately the page follows its sliders.
+function reachText(header) {
+  const { accuracy } = header;
+  if (!accuracy) return "How far changed machines hold was not measured: an earlier version wrote this page's data.";
+  const off = accuracy.frequency.reduce((most, error) => Math.max(most, error), 0);
+  const share = (value) => value.toExponential(1);
+  const own = accuracy.response === null ? "" : `${share(accuracy.response)} of the norm with the run's damping, `;
+  return (
+    `Changed machines: frequencies up to ${accuracy.reach_hz.toFixed(0)} Hz within ${share(off)}, responses within ` +
+    `${own}${share(accuracy.response_least)} of it at a damping ratio of ${accuracy.least_ratio}, measured against the ` +
+    `whole model at ${accuracy.settings} settings over the range of the sliders. Frequencies beyond are not shown.`
+  );
+}
+
+function remarks(db, manifest) {
+  const { header } = db;
+  const lines = [];
+  const { settings = {} } = manifest;
+  if (settings.exactly_n_modes) {
+    const left = settings.truncation_error.toExponential(1);
+    lines.push(`The map as run sums exactly the modes that were asked for, which leaves out ${left} of the norm; changed machines are summed over all modes.`);
+  }
+  if (db.positions.length < header.positions_of_run) {
+    lines.push(`This page holds ${db.positions.length} of the run's ${header.positions_of_run} positions.`);
+  }
+  lines.push(...header.free_motions.map((text) => `Free motion at 0 Hz: ${text}.`));
+  for (const v of header.veerings) {
+    const place = `${mm(v.from_m)} and ${mm(v.to_m)} mm`;
+    lines.push(`Families ${v.families.join(" and ")} veer between ${place} (MAC ${v.mac.toFixed(2)}): both labellings are conventions there.`);
+  }
+  return lines.map((textContent) => element("p", { className: "hint", textContent }));
 }
 
 // What was run, from the manifest.
