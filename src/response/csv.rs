@@ -81,7 +81,7 @@ impl ForceFile {
     /// [`ResponseError::File`] if a heading is no input, or if no force is left within the history.
     pub fn add_to(&self, forces: &mut Forces) -> Result<Vec<String>, ResponseError> {
         let (file, rows) = (&self.file, &self.table.rows);
-        let last = forces.time(forces.samples() - 1);
+        let last = forces.end();
         let mut lost = 0;
         for (column, heading) in self.table.headings.iter().enumerate().skip(1) {
             let name = heading.strip_suffix("_N").unwrap_or(heading);

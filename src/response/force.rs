@@ -94,6 +94,11 @@ impl Shape {
 }
 
 impl Pulse {
+    /// Whether it is too short for samples to show its form: less than two of them.
+    pub(super) fn is_brief(&self, step: f64) -> bool {
+        self.length < 2.0 * step * (1.0 - 1e-9)
+    }
+
     fn pieces(&self) -> Vec<Piece> {
         let (from, to, amplitude) = (self.start, self.start + self.length, self.amplitude);
         match self.shape {
@@ -126,6 +131,11 @@ pub struct Forces {
     pub values: Vec<f64>,
 }
 
+/// A time without the last digits of a product, for messages and comparisons with what a user wrote.
+pub(super) fn rounded(time: f64) -> f64 {
+    (time * 1e12).round() / 1e12
+}
+
 /// Samples of a history at most.
 const MOST_SAMPLES: f64 = 5e7;
 
@@ -154,6 +164,11 @@ impl Forces {
     /// Time of a sample, s.
     pub fn time(&self, sample: usize) -> f64 {
         self.step * sample as f64
+    }
+
+    /// Time of the last sample, s.
+    pub fn end(&self) -> f64 {
+        rounded(self.time(self.samples().max(1) - 1))
     }
 
     /// Forces at all inputs at a time that is counted in samples, straight between them.
@@ -193,7 +208,11 @@ impl Forces {
         let (step, samples) = (self.step, self.samples());
         let duration = self.time(samples);
         match *shape {
-            Shape::Impulse(pulse) => _ = self.add_pieces(input, pulse.pieces(), shape.peak()),
+            Shape::Impulse(pulse) => {
+                let (n, brief) = (self.inputs.len(), pulse.is_brief(step));
+                let put = |k: usize, f: f64| self.values[k * n + input] += f;
+                sample(pulse.pieces(), shape.peak(), brief, step, samples, put);
+            }
             Shape::Step { amplitude, start } => {
                 let piece = Piece::constant(start, duration.max(start) + step, amplitude);
                 _ = self.add_pieces(input, [piece], shape.peak());
@@ -226,7 +245,7 @@ impl Forces {
     /// steps its form is lost.
     pub(super) fn add_pieces(&mut self, input: usize, pieces: impl IntoIterator<Item = Piece>, peak: f64) -> usize {
         let (n, step, samples) = (self.inputs.len(), self.step, self.samples());
-        sample(pieces, peak, step, samples, |k, f| self.values[k * n + input] += f)
+        sample(pieces, peak, false, step, samples, |k, f| self.values[k * n + input] += f)
     }
 
     /// Adds a milling force in its feed and normal directions.

@@ -1,11 +1,10 @@
 //! What a history cannot hold of a force: refused where the motion would be another, told where it loses a share.
 
+use super::force::rounded;
 use super::{Forces, Milling, Pulse, ResponseError, Shape};
 
 /// Share of a wave's amplitude that straight lines may put at the mirrored frequency before it is told.
 const MIRRORED: f64 = 0.02;
-/// Samples that a pulse must have for its form to count.
-const OF_A_PULSE: f64 = 2.0;
 /// Samples that a tooth passing must have.
 const OF_A_TOOTH: f64 = 20.0;
 
@@ -22,7 +21,7 @@ impl Shape {
     /// [`ResponseError::NotAllowed`] for a force that begins after the last sample, and for a frequency of half the rate
     /// or more.
     pub fn check(&self, what: &str, forces: &Forces) -> Result<Vec<String>, ResponseError> {
-        let last = forces.time(forces.samples() - 1);
+        let last = forces.end();
         let begins = |start: f64| {
             if start < last {
                 return Ok(());
@@ -33,10 +32,10 @@ impl Shape {
         };
         let mut told = Vec::new();
         match *self {
-            Self::Impulse(Pulse { start, length, .. }) => {
+            Self::Impulse(pulse @ Pulse { start, length, .. }) => {
                 begins(start)?;
-                let samples = length / forces.step;
-                if samples < OF_A_PULSE {
+                if pulse.is_brief(forces.step) {
+                    let samples = length / forces.step;
                     told.push(format!(
                         "{what}: the pulse of {length} s is {samples:.3} samples long: its momentum is kept, its form is \
                          not; --rate {} or more shows it",
@@ -47,7 +46,7 @@ impl Shape {
                     told.push(format!(
                         "{what}: the pulse ends at {} s, the history at {last} s: the rest is left out; give a longer \
                          --duration",
-                        start + length
+                        rounded(start + length)
                     ));
                 }
             }
