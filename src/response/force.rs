@@ -94,9 +94,14 @@ impl Shape {
 }
 
 impl Pulse {
-    /// Whether it is too short for samples to show its form: less than two of them.
-    pub(super) fn is_brief(&self, step: f64) -> bool {
+    /// Whether it is too short for samples to show its form at all: less than two of them.
+    pub(super) fn is_lost(&self, step: f64) -> bool {
         self.length < 2.0 * step * (1.0 - 1e-9)
+    }
+
+    /// Whether its moments are worth more than its form.
+    fn is_brief(&self, step: f64) -> bool {
+        self.is_lost(step) || self.shape != PulseShape::Rectangle && self.length < 5.0 * step * (1.0 - 1e-9)
     }
 
     fn pieces(&self) -> Vec<Piece> {

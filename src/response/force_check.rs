@@ -34,7 +34,7 @@ impl Shape {
         match *self {
             Self::Impulse(pulse @ Pulse { start, length, .. }) => {
                 begins(start)?;
-                if pulse.is_brief(forces.step) {
+                if pulse.is_lost(forces.step) {
                     let samples = length / forces.step;
                     told.push(format!(
                         "{what}: the pulse of {length} s is {samples:.3} samples long: its momentum is kept, its form is \
