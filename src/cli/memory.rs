@@ -40,7 +40,7 @@ pub fn parse_size(text: &str) -> Result<u64, UsageError> {
 }
 
 /// Bytes that a program can still take, as far as the system says.
-fn available() -> Option<u64> {
+pub(super) fn available() -> Option<u64> {
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let memory = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
         let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;

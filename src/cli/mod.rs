@@ -22,6 +22,8 @@ mod report;
 mod run;
 mod simulate;
 mod simulate_files;
+mod simulate_forces;
+mod simulate_size;
 mod states;
 mod summary;
 mod sweep;

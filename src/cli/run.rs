@@ -176,9 +176,15 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             TRUNCATION,
         ));
     }
-    let projection = progress
-        .stage("projected modes", 0, |_| pipeline::projection_error(&machine, &model, &axes.positions, highest))?;
-    let what = if machine.analysis.damping.projected { "all results take" } else { "state_space.mat takes" };
+    let states = arguments.states.options(reported, !arguments.no_residual);
+    let (simplified, what) = if machine.analysis.damping.projected {
+        (pipeline::Simplified::Projected, "all results take")
+    } else {
+        (pipeline::Simplified::StateSpace(states), "state_space.mat takes")
+    };
+    let projection = progress.stage("simplified damping", 0, |_| {
+        pipeline::projection_error(&machine, &model, &axes.positions, highest, simplified)
+    })?;
     let projected = projection.as_ref().and_then(|p| p.warning(what));
     progress.warn(projected.as_slice());
     warnings.extend(projected);
@@ -231,7 +237,6 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let outcome =
         Outcome { table, errors, free_motions, machine, solved, truncation, axes, map, backend, metrics, out };
     record::extrema(&mut manifest, &outcome);
-    let states = arguments.states.options(reported, !arguments.no_residual);
     let look = Look { systems: &systems, model: &model, superelements: &superelements };
     write(&outcome, &look, states, arguments, &mut progress, &mut manifest, interrupt)?;
     if arguments.json {

@@ -4,6 +4,7 @@ use super::overrides::Overrides;
 use super::progress::Progress;
 use super::run::{figure, mesh_warnings, slug};
 use super::simulate_files::{self, Found, Outcome};
+use super::simulate_forces::sample;
 use super::{UsageError, cache_folder, machine_path, record};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -14,14 +15,13 @@ use stiffmap::export::manifest::Manifest;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, read_machine};
 use stiffmap::modal::{Modes, modes_at};
-use stiffmap::pipeline;
+use stiffmap::pipeline::{self, Simplified};
 use stiffmap::reduction::Cache;
 use stiffmap::response::contact::{elements, simulate_contact};
 use stiffmap::response::moving::{PathModel, PathOptions, TravelOptions, travel};
 use stiffmap::response::spectrum::{difference_to_modes, spectra};
 use stiffmap::response::{
-    Forces, Path, Plant, Recording, ResponseError, Shape, parse_force, parse_milling, read_force_file, read_path_file,
-    simulate_all,
+    Forces, Path, Plant, Recording, ResponseError, acceleration_share_above, read_path_file, simulate_all,
 };
 use stiffmap::state_space::{StateSpaceOptions, state_space};
 
@@ -32,17 +32,18 @@ pub struct Arguments {
     /// The paper's study: one pulse at all inputs at once, at every position, with spectra and
     /// surfaces; keys of the force `impulse` may follow, such as --impulse=shape=triangle
     #[arg(long, value_name = "KEYS", num_args = 0..=1, require_equals = true, default_missing_value = "")]
-    impulse: Option<String>,
+    pub(super) impulse: Option<String>,
     /// A force, INPUT:KIND,key=value,..: impulse, step, sine, chirp or random at an input (or `all`), in
     /// N, s, Hz; may be repeated
     #[arg(long = "force", value_name = "INPUT:KIND,..")]
-    forces: Vec<String>,
+    pub(super) forces: Vec<String>,
     /// Forces from a CSV file with the headings time_s and names of inputs, in N
     #[arg(long, value_name = "CSV")]
-    force_file: Option<PathBuf>,
-    /// A milling cut: teeth=4,speed=3000,feed=0.1,depth=2,kt=2000,kr=0.3 (1/min, mm a tooth, mm, N/mm^2)
+    pub(super) force_file: Option<PathBuf>,
+    /// A milling cut: teeth=4,speed=3000,feed=0.1,depth=2,kt=2000,kr=0.3,exit=60 (1/min, mm a tooth, mm, N/mm^2,
+    /// degrees); port=, along= and across= where the spindle's bearings do not say the directions
     #[arg(long, value_name = "KEYS")]
-    milling: Option<String>,
+    pub(super) milling: Option<String>,
     /// Travel from one position to another, m, at --feed-rate
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true, conflicts_with = "path_file")]
     path: Option<String>,
@@ -52,12 +53,12 @@ pub struct Arguments {
     /// Travel after a CSV file with the headings time_s,position_m
     #[arg(long, value_name = "CSV")]
     path_file: Option<PathBuf>,
-    /// Length of the history, s; 1 s, or the length of the path, without it
+    /// Length of the history, s; without it that of the path, or 1 s and at least that of the force file
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
-    duration: Option<f64>,
+    pub(super) duration: Option<f64>,
     /// Samples a second
     #[arg(long, value_name = "HZ", default_value_t = 20_000.0, allow_hyphen_values = true)]
-    rate: f64,
+    pub(super) rate: f64,
     /// Record the outputs' velocities
     #[arg(long)]
     velocity: bool,
@@ -71,7 +72,7 @@ pub struct Arguments {
     no_residual: bool,
     /// Leave the friction and backlash of the machine file out
     #[arg(long)]
-    linear: bool,
+    pub(super) linear: bool,
     /// Output folder; results/<machine>_simulation without it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -92,6 +93,8 @@ const BASIS: f64 = 1.5;
 
 /// Positions between the tabulated ones of a path at which its machine is compared with the modes there.
 const PROBES: usize = 8;
+/// Share of an acceleration from modes that the basis is not made for, above which it is told.
+const ACCELERATION: f64 = 0.05;
 
 /// Runs a simulation.
 pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
@@ -103,16 +106,19 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     if arguments.impulse.is_none() && !arguments.overrides.gives_positions() {
         positions.truncate(1);
     }
-    let forces = arguments.sampled(&machine, path.as_ref())?;
     arguments.check(&machine, path.as_ref())?;
     let out = arguments
         .out
         .clone()
         .unwrap_or_else(|| std::path::Path::new("results").join(format!("{}_simulation", slug(&machine.name))));
+    let sampled = sample(arguments, &machine, path.as_ref(), positions.len(), &out)?;
+    let forces = sampled.forces;
     std::fs::create_dir_all(&out).with_context(|| format!("--out {}", out.display()))?;
 
     let mut manifest = Manifest { name: machine.name.clone(), machine_file: arguments.named(), ..Manifest::default() };
+    progress.warn(&sampled.warnings);
     let model = arguments.model(&machine, &mut manifest, &mut progress, interrupt)?;
+    manifest.warnings.extend(sampled.warnings);
     let result = match &path {
         Some(path) => arguments.along(&machine, &model, path, &forces, &mut manifest, &mut progress, interrupt)?,
         None => arguments.fixed(&machine, &model, &positions, &forces, &mut manifest, &mut progress, interrupt)?,
@@ -121,13 +127,16 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let settings = &mut manifest.settings;
     settings.push("samples_a_second", json!(arguments.rate));
     settings.push("samples", json!(forces.samples()));
+    settings.push("forces", json!(sampled.described));
     settings.push("damping_ratios", json!(machine.analysis.damping.ratios));
-    // A history's damping is that of its modes: dampers are projected on them, and a loss factor is half its ratio.
+    // A loss factor of a history is a viscous ratio of half its size; contacts are stepped mode by mode.
     let mut told = machine.clone();
-    told.analysis.damping.projected = true;
+    let contacts = !arguments.linear && machine.joints.iter().any(|j| j.contact.is_some());
+    told.analysis.damping.projected |= contacts;
     let highest = arguments.highest(&machine);
     let where_to = path.as_ref().map_or_else(|| positions.clone(), |p| p.range().to_vec());
-    let projection = pipeline::projection_error(&machine, &model, &where_to, highest)?;
+    let simplified = if told.analysis.damping.projected { Simplified::Projected } else { Simplified::Viscous };
+    let projection = pipeline::projection_error(&machine, &model, &where_to, highest, simplified)?;
     let projected = projection.as_ref().and_then(|p| p.warning("histories take"));
     progress.warn(projected.as_slice());
     manifest.warnings.extend(projected);
@@ -142,21 +151,12 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     record::hold(&manifest)
 }
 
-/// Names of the directions of the input or output ports, as the coupled model has them.
-fn input_names(machine: &Machine) -> Vec<String> {
-    let ports = machine.ports.iter().filter(|p| p.input);
-    let one = machine.ports.len() == 1;
-    ports
-        .flat_map(|p| p.directions.iter().map(move |(d, _)| if one { d.clone() } else { format!("{}.{d}", p.name) }))
-        .collect()
-}
-
 impl Arguments {
     fn named(&self) -> String {
         self.machine.as_ref().map_or_else(|| "bundled vertical mill".into(), |p| p.display().to_string())
     }
 
-    fn recording(&self) -> Recording {
+    pub(super) fn recording(&self) -> Recording {
         Recording { velocity: self.velocity, acceleration: self.acceleration }
     }
 
@@ -183,45 +183,6 @@ impl Arguments {
             .into());
         }
         Ok(Some(path))
-    }
-
-    fn sampled(&self, machine: &Machine, path: Option<&Path>) -> Result<Forces> {
-        let inputs = input_names(machine);
-        let duration = self.duration.or(path.map(Path::duration)).unwrap_or(1.0);
-        let mut forces = Forces::none(&inputs, duration, self.rate)?;
-        let everywhere = |forces: &mut Forces, shape: &Shape| (0..inputs.len()).for_each(|j| forces.add(j, shape));
-        if let Some(keys) = &self.impulse {
-            let text = if keys.is_empty() { "impulse".to_owned() } else { format!("impulse,{keys}") };
-            everywhere(&mut forces, &parse_force(&text)?);
-        }
-        for text in &self.forces {
-            let Some((input, shape)) = text.split_once(':') else {
-                let inputs = inputs.join(", ");
-                return Err(UsageError(format!(
-                    "--force: {text:?} is not INPUT:KIND,key=value,..; inputs: {inputs}, all"
-                ))
-                .into());
-            };
-            let shape = parse_force(shape)?;
-            match input.trim() {
-                "all" => everywhere(&mut forces, &shape),
-                name => {
-                    let input = forces.find(name)?;
-                    forces.add(input, &shape);
-                }
-            }
-        }
-        if let Some(file) = &self.force_file {
-            read_force_file(file, &mut forces)?;
-        }
-        if let Some(text) = &self.milling {
-            forces.add_milling(&parse_milling(text, &inputs)?)?;
-        }
-        if self.impulse.is_none() && self.forces.is_empty() && self.force_file.is_none() && self.milling.is_none() {
-            let needed = "give one of --impulse, --force, --force-file, --milling";
-            return Err(UsageError(format!("no force: {needed}")).into());
-        }
-        Ok(forces)
     }
 
     /// Refuses what does not go together.
@@ -273,7 +234,7 @@ impl Arguments {
     }
 
     /// The highest frequency of interest, Hz.
-    fn highest(&self, machine: &Machine) -> f64 {
+    pub(super) fn highest(&self, machine: &Machine) -> f64 {
         machine.analysis.frequencies.iter().copied().fold(0.0, f64::max)
     }
 
@@ -332,6 +293,11 @@ impl Arguments {
             };
             positions.par_iter().map(one).collect::<Result<Vec<_>, ResponseError>>()
         })?;
+        let there = modes.iter().map(|m| m.eigenvalues.len() - m.free).min().unwrap_or(0);
+        if let Some(asked) = self.overrides.modes.filter(|n| *n > there) {
+            let problem = format!("--modes: {asked} is not allowed; the machine's basis has {there} elastic modes");
+            return Err(UsageError(problem).into());
+        }
         let plant = |m: &Modes| match self.overrides.modes {
             None => Plant::whole(m),
             Some(n) => {
@@ -343,12 +309,27 @@ impl Arguments {
         let plants: Vec<Plant> = modes.iter().map(plant).collect();
         manifest.counts.push("positions", plants.len() as u64);
         manifest.counts.push("modes_most", plants.iter().map(|p| p.omega.len()).max().unwrap_or(0) as u64);
+        let faster = |p: &Plant| p.omega.iter().filter(|w| **w > std::f64::consts::PI * self.rate).count() as u64;
+        manifest.counts.push("modes_above_half_the_rate", plants.iter().map(faster).max().unwrap_or(0));
         if !self.linear && machine.joints.iter().any(|j| j.contact.is_some()) {
             return self.with_contacts(model, &modes, &plants, forces, progress, interrupt);
         }
         let histories = progress.stage("time histories", plants.len(), |step| {
             simulate_all(&plants, forces, self.recording(), interrupt, step)
         })?;
+        let top = self.highest(machine);
+        if let Some(share) = acceleration_share_above(top, &plants[0], &histories[0], forces) {
+            manifest.settings.push("acceleration_share_above_highest_frequency", json!(share));
+            if share > ACCELERATION {
+                let warning = format!(
+                    "accelerations: modes above {top} Hz, the highest frequency that the basis is made for, give up to \
+                     {:.0} % of the largest; another mesh or reduction would give another share",
+                    100.0 * share
+                );
+                progress.warn(std::slice::from_ref(&warning));
+                manifest.warnings.push(warning);
+            }
+        }
         let mut map = None;
         let only_pulses = self.forces.iter().all(|f| f.split(':').nth(1).is_some_and(|k| k.starts_with("impulse")));
         if self.impulse.is_some() || only_pulses && self.force_file.is_none() && self.milling.is_none() {

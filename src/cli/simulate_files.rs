@@ -6,7 +6,7 @@ use super::run::relative;
 use super::simulate::Arguments;
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
-use stiffmap::export::history::{write_csv, write_mat};
+use stiffmap::export::history::{Contacts, write_csv, write_csv_with_contacts, write_mat, write_mat_with_contacts};
 use stiffmap::export::manifest::Manifest;
 use stiffmap::export::response::{Response, safe};
 use stiffmap::export::{atomic, mat, surface};
@@ -75,9 +75,10 @@ pub fn write(
                 }
             }
             Found::Contact { positions, runs } => {
-                write_csv(&csv, &runs[0].0.history, forces, outputs, None)?;
+                let contacts: Vec<Contacts<'_>> = runs.iter().map(contacts).collect();
+                write_csv_with_contacts(&csv, &runs[0].0.history, forces, outputs, None, contacts.first())?;
                 let histories: Vec<History> = runs.iter().map(|(run, _)| run.history.clone()).collect();
-                write_mat(&whole, positions, &histories, forces, outputs, None)?;
+                write_mat_with_contacts(&whole, positions, &histories, forces, outputs, None, &contacts)?;
                 files.push(out.join("joint_events.csv"));
                 write_events(&out.join("joint_events.csv"), positions, runs)?;
             }
@@ -131,6 +132,10 @@ fn draw(outcome: &Outcome<'_>) -> Result<Vec<PathBuf>> {
 
 fn at(axis: &str, position: f64) -> String {
     format!("{axis} = {} mm", (1e6 * position).round() / 1e3)
+}
+
+fn contacts((run, joints): &(ContactHistory, Vec<String>)) -> Contacts<'_> {
+    Contacts { joints, slip: &run.relative, speed: &run.speed, force: &run.force }
 }
 
 fn write_events(path: &Path, positions: &[f64], runs: &[(ContactHistory, Vec<String>)]) -> Result<()> {

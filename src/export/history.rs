@@ -5,9 +5,46 @@ use std::io::Write;
 use std::path::Path;
 
 use super::mat5::{self, Value};
+use super::response::safe;
 use super::{ExportError, atomic, finite, length};
 use crate::response::moving::Energy;
 use crate::response::{Forces, History};
+
+/// What joints with friction or backlash did at one position, `[sample, joint]`, last index fastest.
+#[derive(Clone, Copy, Debug)]
+pub struct Contacts<'a> {
+    /// Names of the joints.
+    pub joints: &'a [String],
+    /// Motion of side 1 against side 0, m.
+    pub slip: &'a [f64],
+    /// Its rate, m/s.
+    pub speed: &'a [f64],
+    /// Force that draws side 1 back to side 0, N.
+    pub force: &'a [f64],
+}
+
+impl<'a> Contacts<'a> {
+    /// Name of the variable, end of the heading, values.
+    fn columns(&self) -> [(&'static str, &'static str, &'a [f64]); 3] {
+        [
+            ("contact_slip", "slip_m", self.slip),
+            ("contact_speed", "slip_m_per_s", self.speed),
+            ("contact_force", "contact_force_N", self.force),
+        ]
+    }
+
+    fn check(&self, path: &Path, forces: &Forces) -> Result<(), ExportError> {
+        for (name, _, values) in self.columns() {
+            length(path, name, values.len(), forces.samples() * self.joints.len())?;
+            if let Some(at) = values.iter().position(|v| !v.is_finite()) {
+                let (k, i) = (at / self.joints.len(), at % self.joints.len());
+                let what = format!("the {name} of {} at {} s", self.joints[i], forces.time(k));
+                return Err(ExportError::NotFinite { path: path.into(), what, value: values[at] });
+            }
+        }
+        Ok(())
+    }
+}
 
 /// Writes `time_history.csv`: `time_s`, `position_m` along a path, `force_<input>_N`, `<output>_m`, and
 /// `<output>_m_per_s`, `<output>_m_per_s2` where they were recorded. Numbers read back to the last bit.
@@ -22,12 +59,34 @@ pub fn write_csv(
     outputs: &[String],
     positions: Option<&[f64]>,
 ) -> Result<(), ExportError> {
+    write_csv_with_contacts(path, history, forces, outputs, positions, None)
+}
+
+/// As [`write_csv`], followed by `<joint>_slip_m`, `<joint>_slip_m_per_s` and `<joint>_contact_force_N` of each contact;
+/// what a file name should not hold is `_` in a joint's name.
+///
+/// # Errors
+/// As [`write_csv`].
+pub fn write_csv_with_contacts(
+    path: &Path,
+    history: &History,
+    forces: &Forces,
+    outputs: &[String],
+    positions: Option<&[f64]>,
+    contacts: Option<&Contacts<'_>>,
+) -> Result<(), ExportError> {
     check(path, history, forces, outputs, positions)?;
+    let more = contacts.map(Contacts::columns);
+    let n_joints = contacts.map_or(0, |c| c.joints.len());
+    contacts.map_or(Ok(()), |c| c.check(path, forces))?;
     let mut heading = vec!["time_s".to_owned()];
     heading.extend(positions.map(|_| "position_m".to_owned()));
     heading.extend(forces.inputs.iter().map(|n| format!("force_{n}_N")));
     let blocks: Vec<(&[f64], &str)> = blocks(history).into_iter().map(|(_, unit, values)| (values, unit)).collect();
     heading.extend(blocks.iter().flat_map(|(_, unit)| outputs.iter().map(move |n| format!("{n}_{unit}"))));
+    for (_, end, _) in more.iter().flatten() {
+        heading.extend(contacts.iter().flat_map(|c| c.joints).map(|joint| format!("{}_{end}", safe(joint))));
+    }
     let (n_in, n_out) = (forces.inputs.len(), outputs.len());
     atomic::write_atomic(path, |file| {
         let fail = atomic::io(path, "write");
@@ -42,6 +101,9 @@ pub fn write_csv(
             forces.values[k * n_in..][..n_in].iter().for_each(|v| _ = write!(line, ",{v:e}"));
             for (values, _) in &blocks {
                 values[k * n_out..][..n_out].iter().for_each(|v| _ = write!(line, ",{v:e}"));
+            }
+            for (_, _, values) in more.iter().flatten() {
+                values[k * n_joints..][..n_joints].iter().for_each(|v| _ = write!(line, ",{v:e}"));
             }
             line.push('\n');
             file.write_all(line.as_bytes()).map_err(&fail)?;
@@ -70,6 +132,23 @@ pub fn write_mat(
     forces: &Forces,
     outputs: &[String],
     energy: Option<&Energy>,
+) -> Result<(), ExportError> {
+    write_mat_with_contacts(path, positions, histories, forces, outputs, energy, &[])
+}
+
+/// As [`write_mat`], with `contact` (cell column of joints), `contact_slip` (m), `contact_speed` (m/s) and
+/// `contact_force` (N), n_sample x n_joint x n_position, where there are contacts, one entry a position.
+///
+/// # Errors
+/// As [`write_mat`].
+pub fn write_mat_with_contacts(
+    path: &Path,
+    positions: &[f64],
+    histories: &[History],
+    forces: &Forces,
+    outputs: &[String],
+    energy: Option<&Energy>,
+    contacts: &[Contacts<'_>],
 ) -> Result<(), ExportError> {
     for history in histories {
         check(path, history, forces, outputs, None)?;
@@ -107,6 +186,20 @@ pub fn write_mat(
         let fields = vec!["kinetic", "potential", "force", "dissipated", "travel"];
         let values = [&e.kinetic, &e.potential, &e.force, &e.dissipated, &e.travel].map(|v| Value::column(v)).to_vec();
         variables.push(("energy", Value::Structs { fields, values: vec![values] }));
+    }
+    if let Some(first) = contacts.first() {
+        length(path, "the contacts", contacts.len(), histories.len())?;
+        let joints = first.joints.len();
+        variables.push(("contact", Value::names(first.joints)));
+        for kind in 0..first.columns().len() {
+            let mut data = Vec::with_capacity(samples * joints * contacts.len());
+            for one in contacts {
+                one.check(path, forces)?;
+                (0..joints).for_each(|j| data.extend(one.columns()[kind].2.iter().skip(j).step_by(joints)));
+            }
+            let dims = vec![samples, joints, contacts.len()];
+            variables.push((first.columns()[kind].0, Value::Real { dims, data: Cow::Owned(data) }));
+        }
     }
     mat5::write(path, &variables)
 }

@@ -8,7 +8,7 @@ mod travel;
 
 pub use mechanism::mechanisms;
 pub use plausibility::{modal_plausibility, plausibility, study_plausibility};
-pub use projection::{PROJECTION_TOLD, ProjectionError, acting_damping, projection_error};
+pub use projection::{PROJECTION_TOLD, ProjectionError, Simplified, acting_damping, projection_error};
 pub use reduction_error::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, few_component_modes, reduction_errors};
 pub use travel::{check_travel, screw_length};
 

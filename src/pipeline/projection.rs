@@ -5,6 +5,9 @@ use crate::coupling::CoupledModel;
 use crate::frf::{FrfRequest, Quantity, Selection, modal_sum, modal_systems};
 use crate::machine::{Damping, Machine};
 use crate::modal::{Modes, modes_at};
+use crate::response::Plant;
+use crate::state_space::{DampedSum, StateSpaceOptions, receptance, state_space};
+use nalgebra::{Complex, DMatrix};
 use serde::Serialize;
 
 /// Frequencies over the band at which responses are compared, beside those of the modes.
@@ -14,10 +17,36 @@ const UNDAMPED: f64 = 1e-9;
 /// Share of a response's largest value from which projection is warned of.
 pub const PROJECTION_TOLD: f64 = 0.02;
 
+/// What stands for the exact damping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Simplified {
+    /// Dampers and loss factors of joints and parts projected on the undamped modes.
+    Projected,
+    /// Dampers between the modes as they are; loss factors as viscous ratios of the modes, half as large: what a time
+    /// response can have.
+    Viscous,
+    /// The same between the modes of a state space, beyond which dampers meet what answers statically.
+    StateSpace(StateSpaceOptions),
+}
+
+impl Simplified {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Projected => "dampers and loss factors of joints and parts as projected on the undamped modes",
+            Self::Viscous => "loss factors of joints and parts as viscous ratios of the undamped modes",
+            Self::StateSpace(_) => {
+                "dampers between its modes only, and loss factors of joints and parts as viscous ratios of its modes"
+            }
+        }
+    }
+}
+
 /// The largest difference between responses with projected and with exact damping, as shares of each response's largest
 /// value over the band.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProjectionError {
+    /// What was compared with the exact damping, in words.
+    pub taken: &'static str,
     /// Of the responses with force and motion in one place and direction.
     pub direct: f64,
     /// Of the others.
@@ -40,8 +69,9 @@ impl ProjectionError {
     pub fn warning(&self, what: &str) -> Option<String> {
         (self.largest() > PROJECTION_TOLD).then(|| {
             format!(
-                "{what} dampers and loss factors of joints and parts as projected on the undamped modes: responses \
-                 are off by up to {:.1} % (direct) and {:.1} % (cross) of their peaks, most in {} at {} m, {:.1} Hz",
+                "{what} {}: responses are off by up to {:.1} % (direct) and {:.1} % (cross) of their peaks, most in \
+                 {} at {} m, {:.1} Hz",
+                self.taken,
                 100.0 * self.direct,
                 100.0 * self.cross,
                 self.response,
@@ -52,8 +82,8 @@ impl ProjectionError {
     }
 }
 
-/// Compares both at the first, the middle and the last position up to `highest` (Hz); `None` where no damping couples
-/// the modes.
+/// Compares a simplified damping with the exact one at the first, the middle and the last position up to `highest`
+/// (Hz); `None` where no damping couples the modes and where nothing is simplified.
 ///
 /// # Errors
 /// [`PipelineError`] of modes or sums.
@@ -62,11 +92,12 @@ pub fn projection_error(
     model: &CoupledModel,
     positions: &[f64],
     highest: f64,
+    simplified: Simplified,
 ) -> Result<Option<ProjectionError>, PipelineError> {
-    let joints = machine
-        .joints
-        .iter()
-        .any(|j| j.loss_factor.is_some_and(|eta| eta > 0.0) || j.springs.iter().any(|spring| spring.damping > 0.0));
+    let dampers = simplified != Simplified::Viscous;
+    let joints = machine.joints.iter().any(|j| {
+        j.loss_factor.is_some_and(|eta| eta > 0.0) || dampers && j.springs.iter().any(|spring| spring.damping > 0.0)
+    });
     let parts = machine.parts.iter().any(|p| p.loss_factor.is_some_and(|eta| eta > 0.0));
     if !(joints || parts) || positions.is_empty() || highest <= 0.0 {
         return Ok(None);
@@ -101,13 +132,23 @@ pub fn projection_error(
             })
         };
         let (exact, projected) = (map(&exact)?, map(&projected)?);
+        let viscous: Option<Vec<_>> = match simplified {
+            Simplified::Projected => None,
+            Simplified::Viscous => Some(of_plant(&Plant::whole(&modes[0]), &grid)),
+            Simplified::StateSpace(options) => {
+                let system = state_space(&modes[0], options);
+                Some(grid.iter().map(|f| receptance(&system, *f)).collect())
+            }
+        };
         for (o, output) in outputs.iter().enumerate() {
             for (i, input) in inputs.iter().enumerate() {
-                let values = |k: usize| (exact.at(0, k, o, i), projected.at(0, k, o, i));
+                let simple = |k: usize| viscous.as_ref().map_or_else(|| projected.at(0, k, o, i), |v| v[k][(o, i)]);
+                let values = |k: usize| (exact.at(0, k, o, i), simple(k));
                 let peak = (0..grid.len()).map(|k| values(k).0.norm()).fold(f64::MIN_POSITIVE, f64::max);
                 let off = |k: usize| (values(k).0 - values(k).1).norm() / peak;
                 let Some(k) = (0..grid.len()).max_by(|a, b| off(*a).total_cmp(&off(*b))) else { continue };
                 let own = worst.get_or_insert(ProjectionError {
+                    taken: simplified.words(),
                     direct: 0.0,
                     cross: 0.0,
                     response: String::new(),
@@ -124,6 +165,18 @@ pub fn projection_error(
         }
     }
     Ok(worst)
+}
+
+/// The receptance of a time response's plant at frequencies, Hz.
+fn of_plant(plant: &Plant, frequencies: &[f64]) -> Vec<DMatrix<Complex<f64>>> {
+    let sum = DampedSum {
+        omega: &plant.omega,
+        zeta: &plant.zeta,
+        outputs: &plant.outputs,
+        inputs: &plant.inputs,
+        dampers: &plant.dampers,
+    };
+    frequencies.iter().map(|f| sum.at(*f) + plant.direct.map(|d| Complex::new(d, 0.0))).collect()
 }
 
 /// Every damping that acts in a machine, in words.

@@ -1,7 +1,8 @@
 //! Forces and paths from CSV files.
 
+use super::sampling::Piece;
 use super::{Forces, Path, ResponseError};
-use std::path::Path as File;
+use std::path::{Path as File, PathBuf};
 
 /// Numbers of a CSV file with a heading line; the first column is the time in s.
 struct Table {
@@ -53,40 +54,88 @@ fn read(file: &File) -> Result<Table, ResponseError> {
     Ok(Table { headings, rows })
 }
 
-/// Adds the forces of a CSV file: heading `time_s`, then names of inputs (a trailing `_N` is allowed); N.
-/// Between its lines the force is straight, outside them zero; it is sampled at the history's rate.
+/// Forces of a CSV file: heading `time_s`, then names of inputs (a trailing `_N` is allowed); N. Between its lines a
+/// force is straight, outside them zero.
+pub struct ForceFile {
+    file: PathBuf,
+    table: Table,
+}
+
+impl ForceFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`ResponseError::File`] with the line for what is not a number or not ascending.
+    pub fn read(file: &File) -> Result<Self, ResponseError> {
+        Ok(Self { file: file.to_path_buf(), table: read(file)? })
+    }
+
+    /// Time of the last line, s.
+    pub fn end(&self) -> f64 {
+        self.table.rows.last().map_or(0.0, |(_, row)| row[0])
+    }
+
+    /// Adds the forces as samples that keep their momentum; returns what the samples cannot hold of them.
+    ///
+    /// # Errors
+    /// [`ResponseError::File`] if a heading is no input, or if no force is left within the history.
+    pub fn add_to(&self, forces: &mut Forces) -> Result<Vec<String>, ResponseError> {
+        let (file, rows) = (&self.file, &self.table.rows);
+        let last = forces.end();
+        let mut lost = 0;
+        for (column, heading) in self.table.headings.iter().enumerate().skip(1) {
+            let name = heading.strip_suffix("_N").unwrap_or(heading);
+            let Some(input) = forces.inputs.iter().position(|i| i == name || i == heading) else {
+                let problem = format!("the heading {heading:?} is no input; allowed: {}", forces.inputs.join(", "));
+                return Err(failed(file, Some(1), problem));
+            };
+            let peak = rows.iter().map(|(_, row)| row[column].abs()).fold(0.0, f64::max);
+            let pieces = rows.windows(2).map(|pair| {
+                let [a, b] = [&pair[0].1, &pair[1].1];
+                Piece::line(a[0], b[0], [a[column], b[column]])
+            });
+            lost = lost.max(forces.add_pieces(input, pieces, peak));
+        }
+        if self.table.headings.len() < 2 {
+            let problem = format!("no input; allowed beside time_s: {}", forces.inputs.join(", "));
+            return Err(failed(file, Some(1), problem));
+        }
+        let acts = |row: &[f64]| row[1..].iter().any(|f| *f != 0.0);
+        let first = rows.iter().position(|(_, row)| acts(row)).map(|k| k.saturating_sub(1));
+        if let Some((line, row)) = first.map(|k| &rows[k]).filter(|(_, row)| row[0] >= last) {
+            let problem = format!(
+                "the force begins at {} s, after the history's last sample at {last} s; give a longer --duration",
+                row[0]
+            );
+            return Err(failed(file, Some(*line), problem));
+        }
+        let mut told = Vec::new();
+        let cut = rows.iter().rposition(|(_, row)| acts(row)).map(|k| rows[(k + 1).min(rows.len() - 1)].1[0]);
+        if let Some(end) = cut.filter(|end| *end > last + forces.step * (1.0 + 1e-9)) {
+            told.push(format!(
+                "{}: the force goes on to {end} s, the history ends at {last} s: the rest is left out; give --duration \
+                 {end} or more",
+                file.display()
+            ));
+        }
+        if lost > 0 {
+            told.push(format!(
+                "{}: in {lost} steps between samples the force turns more than once: its momentum is kept, its form is \
+                 not; --rate is {}",
+                file.display(),
+                forces.step.recip()
+            ));
+        }
+        Ok(told)
+    }
+}
+
+/// Reads a CSV file of forces and adds them; returns what the samples cannot hold of them.
 ///
 /// # Errors
-/// [`ResponseError::File`] with the line for what is not a number, not ascending or no input.
-pub fn read_force_file(file: &File, forces: &mut Forces) -> Result<(), ResponseError> {
-    let table = read(file)?;
-    let n = forces.inputs.len();
-    for (column, heading) in table.headings.iter().enumerate().skip(1) {
-        let name = heading.strip_suffix("_N").unwrap_or(heading);
-        let Some(input) = forces.inputs.iter().position(|i| i == name || i == heading) else {
-            let problem = format!("the heading {heading:?} is no input; allowed: {}", forces.inputs.join(", "));
-            return Err(failed(file, Some(1), problem));
-        };
-        let mut at = 0;
-        for k in 0..forces.samples() {
-            let time = forces.time(k);
-            while at + 2 < table.rows.len() && table.rows[at + 1].1[0] < time {
-                at += 1;
-            }
-            let Some((_, after)) = table.rows.get(at + 1) else { break };
-            let before = &table.rows[at].1;
-            let slack = 1e-9 * forces.step;
-            if time < before[0] - slack || time > after[0] + slack {
-                continue;
-            }
-            let share = ((time - before[0]) / (after[0] - before[0])).clamp(0.0, 1.0);
-            forces.values[k * n + input] += before[column] + share * (after[column] - before[column]);
-        }
-    }
-    if table.headings.len() < 2 {
-        return Err(failed(file, Some(1), format!("no input; allowed beside time_s: {}", forces.inputs.join(", "))));
-    }
-    Ok(())
+/// As [`ForceFile::read`] and [`ForceFile::add_to`].
+pub fn read_force_file(file: &File, forces: &mut Forces) -> Result<Vec<String>, ResponseError> {
+    ForceFile::read(file)?.add_to(forces)
 }
 
 /// The path of a CSV file with the headings `time_s,position_m`.

@@ -1,5 +1,7 @@
-//! Forces over time, sampled.
+//! Forces over time, sampled so that the straight lines between the samples push as the force does.
 
+use super::noise::{Normal, mixed};
+use super::sampling::{Piece, sample};
 use super::{Milling, ResponseError};
 use std::f64::consts::{PI, TAU};
 
@@ -61,48 +63,66 @@ pub enum Shape {
     Random {
         /// Root mean square, N.
         rms: f64,
-        /// The same seed gives the same force on every machine.
-        seed: u64,
+        /// The same seed gives the same force on every machine. Without one each input has a seed of its own.
+        seed: Option<u64>,
     },
 }
 
 impl Shape {
-    /// Value at a sample; `duration` is that of the whole history.
-    fn at(&self, t: f64, duration: f64, step: f64) -> f64 {
+    /// The force at one of several inputs. Random forces differ from input to input, with and without a given seed,
+    /// and without one from the `earlier` random forces; everything else is the same at all inputs.
+    pub fn at_input(&self, input: usize, earlier: u64) -> Self {
         match *self {
-            Self::Impulse(pulse) => pulse.at(t, step),
-            Self::Step { amplitude, start } => {
-                if t >= start - 1e-9 * step {
-                    amplitude
-                } else {
-                    0.0
-                }
+            Self::Random { rms, seed } => {
+                let seed = mixed(seed.unwrap_or(1 + earlier), input as u64);
+                Self::Random { rms, seed: Some(seed) }
             }
-            Self::Sine { amplitude, frequency, phase } => amplitude * (TAU * frequency * t + phase.to_radians()).sin(),
-            Self::Chirp { amplitude, from, to } => {
-                amplitude * (TAU * (from + 0.5 * (to - from) * t / duration) * t).sin()
-            }
-            Self::Random { .. } => 0.0,
+            other => other,
+        }
+    }
+
+    /// Largest absolute value, N; of noise its root mean square.
+    pub fn peak(&self) -> f64 {
+        match *self {
+            Self::Impulse(Pulse { amplitude, .. })
+            | Self::Step { amplitude, .. }
+            | Self::Sine { amplitude, .. }
+            | Self::Chirp { amplitude, .. } => amplitude.abs(),
+            Self::Random { rms, .. } => rms,
         }
     }
 }
 
 impl Pulse {
-    fn at(&self, t: f64, step: f64) -> f64 {
-        let s = (t - self.start) / self.length;
-        // A sample that rounding puts beside an edge belongs to it.
-        let slack = 1e-9 * step / self.length;
-        if s < -slack || s > 1.0 + slack {
-            return 0.0;
-        }
-        let s = s.clamp(0.0, 1.0);
-        self.amplitude
-            * match self.shape {
-                PulseShape::HalfSine => (PI * s).sin(),
-                PulseShape::Rectangle => 1.0,
-                PulseShape::Triangle => 1.0 - (2.0 * s - 1.0).abs(),
-            }
+    /// Whether it is too short for samples to show its form at all: less than two of them.
+    pub(super) fn is_lost(&self, step: f64) -> bool {
+        self.length < 2.0 * step * (1.0 - 1e-9)
     }
+
+    /// Whether its moments are worth more than its form.
+    fn is_brief(&self, step: f64) -> bool {
+        self.is_lost(step) || self.shape != PulseShape::Rectangle && self.length < 5.0 * step * (1.0 - 1e-9)
+    }
+
+    fn pieces(&self) -> Vec<Piece> {
+        let (from, to, amplitude) = (self.start, self.start + self.length, self.amplitude);
+        match self.shape {
+            PulseShape::HalfSine => {
+                vec![Piece { amplitude, omega: PI / self.length, ..Piece::constant(from, to, 0.0) }]
+            }
+            PulseShape::Rectangle => vec![Piece::constant(from, to, amplitude)],
+            PulseShape::Triangle => {
+                let middle = 0.5 * (from + to);
+                vec![Piece::line(from, middle, [0.0, amplitude]), Piece::line(middle, to, [amplitude, 0.0])]
+            }
+        }
+    }
+}
+
+/// The share that straight lines between samples leave of a sine of a frequency: sinc^2(pi f h).
+fn kept_by_lines(frequency: f64, step: f64) -> f64 {
+    let half = PI * frequency * step;
+    if half == 0.0 { 1.0 } else { (half.sin() / half).powi(2) }
 }
 
 /// Sampled forces at all inputs, straight lines between the samples.
@@ -114,6 +134,11 @@ pub struct Forces {
     pub inputs: Vec<String>,
     /// `[sample, input]`, N, last index fastest.
     pub values: Vec<f64>,
+}
+
+/// A time without the last digits of a product, for messages and comparisons with what a user wrote.
+pub(super) fn rounded(time: f64) -> f64 {
+    (time * 1e12).round() / 1e12
 }
 
 /// Samples of a history at most.
@@ -146,6 +171,11 @@ impl Forces {
         self.step * sample as f64
     }
 
+    /// Time of the last sample, s.
+    pub fn end(&self) -> f64 {
+        rounded(self.time(self.samples().max(1) - 1))
+    }
+
     /// Forces at all inputs at a time that is counted in samples, straight between them.
     pub fn at(&self, sample: f64) -> nalgebra::DVector<f64> {
         let n = self.inputs.len();
@@ -175,19 +205,52 @@ impl Forces {
     }
 
     /// Adds a force at an input.
+    ///
+    /// Pulses and steps come as the means that keep their momentum. Sines and chirps are their own values over
+    /// sinc^2(pi f h), so that the wave in the straight lines has the amplitude that was asked for. Noise is what its
+    /// samples are.
     pub fn add(&mut self, input: usize, shape: &Shape) {
-        let duration = self.time(self.samples());
-        let (step, n) = (self.step, self.inputs.len());
-        let mut normal = match shape {
-            Shape::Random { rms, seed } => Some((Normal::new(*seed), *rms)),
-            _ => None,
-        };
-        for k in 0..self.samples() {
-            self.values[k * n + input] += match &mut normal {
-                Some((numbers, rms)) => *rms * numbers.next(),
-                None => shape.at(step * k as f64, duration, step),
-            };
+        let (step, samples) = (self.step, self.samples());
+        let duration = self.time(samples);
+        match *shape {
+            Shape::Impulse(pulse) => {
+                let (n, brief) = (self.inputs.len(), pulse.is_brief(step));
+                let put = |k: usize, f: f64| self.values[k * n + input] += f;
+                sample(pulse.pieces(), shape.peak(), brief, step, samples, put);
+            }
+            Shape::Step { amplitude, start } => {
+                let piece = Piece::constant(start, duration.max(start) + step, amplitude);
+                _ = self.add_pieces(input, [piece], shape.peak());
+            }
+            Shape::Sine { amplitude, frequency, phase } => {
+                let amplitude = amplitude / kept_by_lines(frequency, step);
+                self.add_values(input, |t| amplitude * (TAU * frequency * t + phase.to_radians()).sin());
+            }
+            Shape::Chirp { amplitude, from, to } => self.add_values(input, |t| {
+                let rate = (to - from) / duration;
+                amplitude * (TAU * (from + 0.5 * rate * t) * t).sin() / kept_by_lines(from + rate * t, step)
+            }),
+            Shape::Random { rms, seed } => {
+                let mut numbers = Normal::new(seed.unwrap_or_else(|| mixed(1, input as u64)));
+                self.add_values(input, |_| rms * numbers.next());
+            }
         }
+    }
+
+    /// Adds a value a sample.
+    fn add_values(&mut self, input: usize, mut value: impl FnMut(f64) -> f64) {
+        let n = self.inputs.len();
+        for k in 0..self.samples() {
+            let time = self.time(k);
+            self.values[k * n + input] += value(time);
+        }
+    }
+
+    /// Adds a force of pieces in the order of time, of which `peak` is the largest absolute value; returns in how many
+    /// steps its form is lost.
+    pub(super) fn add_pieces(&mut self, input: usize, pieces: impl IntoIterator<Item = Piece>, peak: f64) -> usize {
+        let (n, step, samples) = (self.inputs.len(), self.step, self.samples());
+        sample(pieces, peak, false, step, samples, |k, f| self.values[k * n + input] += f)
     }
 
     /// Adds a milling force in its feed and normal directions.
@@ -195,44 +258,11 @@ impl Forces {
     /// # Errors
     /// [`ResponseError::NotAllowed`] if a direction is no input.
     pub fn add_milling(&mut self, milling: &Milling) -> Result<(), ResponseError> {
-        let (feed, normal) = (self.find(&milling.feed_input)?, self.find(&milling.normal_input)?);
-        let n = self.inputs.len();
-        for k in 0..self.samples() {
-            let [f, g] = milling.at(self.time(k));
-            self.values[k * n + feed] += f;
-            self.values[k * n + normal] += g;
+        let inputs = [self.find(&milling.feed_input)?, self.find(&milling.normal_input)?];
+        let end = self.time(self.samples());
+        for (direction, input) in inputs.into_iter().enumerate() {
+            self.add_pieces(input, milling.pieces(direction, end), milling.peak());
         }
         Ok(())
-    }
-}
-
-/// Normal numbers by Box and Muller from SplitMix64.
-struct Normal {
-    state: u64,
-    spare: Option<f64>,
-}
-
-impl Normal {
-    fn new(seed: u64) -> Self {
-        Self { state: seed, spare: None }
-    }
-
-    /// Uniform in (0, 1).
-    fn uniform(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
-    }
-
-    fn next(&mut self) -> f64 {
-        if let Some(spare) = self.spare.take() {
-            return spare;
-        }
-        let radius = (-2.0 * self.uniform().ln()).sqrt();
-        let (sine, cosine) = (TAU * self.uniform()).sin_cos();
-        self.spare = Some(radius * sine);
-        radius * cosine
     }
 }

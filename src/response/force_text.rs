@@ -1,5 +1,6 @@
 //! Forces as they are written on the command line: `KIND,key=value,..`.
 
+use super::cutter::{CutterPort, directions};
 use super::{Milling, Pulse, PulseShape, ResponseError, Shape};
 
 /// The values of `KIND,key=value,..`, which are taken out one by one.
@@ -55,16 +56,15 @@ impl<'a> Words<'a> {
         }
     }
 
-    fn whole(&mut self, key: &'static str, default: Option<u64>, least: u64) -> Result<u64, ResponseError> {
-        let Some(text) = self.text(key) else {
-            return default.ok_or_else(|| {
-                ResponseError::not_allowed(self.what, format!("no {key}"), format!("{key}=NUMBER, which must be there"))
-            });
-        };
-        text.parse::<u64>().ok().filter(|n| *n >= least).ok_or_else(|| {
-            let allowed = format!("a whole number of at least {least}");
-            ResponseError::not_allowed(format!("{}: {key}", self.what), text, allowed)
-        })
+    fn whole(&mut self, key: &'static str, least: u64) -> Result<u64, ResponseError> {
+        match self.text(key) {
+            Some(text) => whole(self.what, key, text, least),
+            None => Err(ResponseError::not_allowed(
+                self.what,
+                format!("no {key}"),
+                format!("{key}=NUMBER, which must be there"),
+            )),
+        }
     }
 
     fn finish(self) -> Result<(), ResponseError> {
@@ -79,6 +79,12 @@ impl<'a> Words<'a> {
     }
 }
 
+fn whole(what: &str, key: &str, text: &str, least: u64) -> Result<u64, ResponseError> {
+    text.parse::<u64>().ok().filter(|n| *n >= least).ok_or_else(|| {
+        ResponseError::not_allowed(format!("{what}: {key}"), text, format!("a whole number of at least {least}"))
+    })
+}
+
 /// A force as text, such as `sine,amplitude=10,frequency=200`; N, s, Hz and degrees.
 ///
 /// | kind | keys with what they are if left out |
@@ -87,7 +93,7 @@ impl<'a> Words<'a> {
 /// | `step` | `amplitude=1`, `start=0` |
 /// | `sine` | `amplitude=1`, `frequency`, `phase=0` |
 /// | `chirp` | `amplitude=1`, `from`, `to` |
-/// | `random` | `rms=1`, `seed=1` |
+/// | `random` | `rms=1`, `seed` (without it each input has its own) |
 ///
 /// # Errors
 /// [`ResponseError::NotAllowed`] with key, value and what is allowed.
@@ -126,7 +132,7 @@ pub fn parse_force(text: &str) -> Result<Shape, ResponseError> {
         },
         "random" => Shape::Random {
             rms: words.number("rms", Some(1.0), Bound::NotNegative)?,
-            seed: words.whole("seed", Some(1), 0)?,
+            seed: words.text("seed").map(|text| whole(&what, "seed", text, 0)).transpose()?,
         },
         other => {
             let allowed = "impulse, step, sine, chirp, random (and --milling, --force-file)";
@@ -139,48 +145,37 @@ pub fn parse_force(text: &str) -> Result<Shape, ResponseError> {
 
 /// A milling cut as text: `teeth=4,speed=3000,feed=0.1,depth=2,kt=2000,kr=0.3`.
 ///
-/// `speed` in 1/min, `feed` in mm a tooth, `depth` in mm, `kt` in N/mm^2, `entry=0` and `exit=180` in
-/// degrees, `along` and `across` the inputs of the feed and normal direction (the first two of
-/// `inputs` if left out).
+/// `speed` in 1/min, `feed` in mm a tooth, `depth` in mm, `kt` in N/mm^2, `entry=0` and `exit=180` in degrees. `along`
+/// and `across` are the inputs of the feed and the normal direction, `-x` for the opposite of x; what is left out is
+/// taken across the spindle of `port`, or of the only port on a part that bearings alone hold.
 ///
 /// # Errors
 /// [`ResponseError::NotAllowed`] with key, value and what is allowed.
-pub fn parse_milling(text: &str, inputs: &[String]) -> Result<Milling, ResponseError> {
+pub fn parse_milling(text: &str, ports: &[CutterPort]) -> Result<Milling, ResponseError> {
     let what = "--milling";
     let mut words = Words::new(what, text)?;
-    let input = |words: &mut Words<'_>, key: &'static str, place: usize| {
-        let name = words.text(key).map(str::to_owned).or_else(|| inputs.get(place).cloned());
-        name.filter(|n| inputs.contains(n)).ok_or_else(|| {
-            ResponseError::not_allowed(format!("{what}: {key}"), "an input that is not there", inputs.join(", "))
-        })
-    };
-    let milling = Milling {
-        teeth: words.whole("teeth", None, 1)? as usize,
-        speed: words.number("speed", None, Bound::Positive)? / 60.0,
-        feed: 1e-3 * words.number("feed", None, Bound::NotNegative)?,
-        depth: 1e-3 * words.number("depth", None, Bound::NotNegative)?,
-        kt: 1e6 * words.number("kt", None, Bound::NotNegative)?,
-        kr: words.number("kr", None, Bound::NotNegative)?,
-        entry: words.number("entry", Some(0.0), Bound::NotNegative)?.to_radians(),
-        exit: words.number("exit", Some(180.0), Bound::NotNegative)?.to_radians(),
-        feed_input: input(&mut words, "along", 0)?,
-        normal_input: input(&mut words, "across", 1)?,
-    };
+    let teeth = words.whole("teeth", 1)? as usize;
+    let speed = words.number("speed", None, Bound::Positive)? / 60.0;
+    let feed = 1e-3 * words.number("feed", None, Bound::NotNegative)?;
+    let depth = 1e-3 * words.number("depth", None, Bound::NotNegative)?;
+    let kt = 1e6 * words.number("kt", None, Bound::NotNegative)?;
+    let kr = words.number("kr", None, Bound::NotNegative)?;
+    let entry = words.number("entry", Some(0.0), Bound::NotNegative)?.to_radians();
+    let exit = words.number("exit", Some(180.0), Bound::NotNegative)?.to_radians();
+    let (port, along, across) = (words.text("port"), words.text("along"), words.text("across"));
     words.finish()?;
-    if milling.teeth > 1000 {
-        return Err(ResponseError::not_allowed("--milling: teeth", milling.teeth, "1 to 1000"));
+    if teeth > 1000 {
+        return Err(ResponseError::not_allowed("--milling: teeth", teeth, "1 to 1000"));
     }
-    if !(milling.entry < milling.exit && milling.exit <= std::f64::consts::PI * (1.0 + 1e-12)) {
-        let seen = format!("{} to {} degrees", milling.entry.to_degrees(), milling.exit.to_degrees());
+    if !(entry < exit && exit <= std::f64::consts::PI * (1.0 + 1e-12)) {
+        let seen = format!("{} to {} degrees", entry.to_degrees(), exit.to_degrees());
         return Err(ResponseError::not_allowed(
             "--milling: entry and exit",
             seen,
             "0 <= entry < exit <= 180: beyond 180 degrees the chip thickness, feed times sin(angle), is negative",
         ));
     }
-    if milling.feed_input == milling.normal_input {
-        let allowed = "two different inputs";
-        return Err(ResponseError::not_allowed("--milling: along and across", milling.feed_input, allowed));
-    }
-    Ok(milling)
+    let [(feed_input, of_feed), (normal_input, of_normal)] = directions(ports, port, along, across)?;
+    let signs = [of_feed, of_normal];
+    Ok(Milling { teeth, speed, feed, depth, kt, kr, entry, exit, feed_input, normal_input, signs })
 }

@@ -6,28 +6,36 @@
 //! | along a path | K(p(t)) about the modes of stations ([`moving`]) | second order in the step; frozen it is the row above |
 //! | friction, backlash | forces fed back between the joints' reduced coordinates ([`contact`]) | Coulomb's law without regularisation |
 //!
-//! Forces are sampled ([`Forces`]) and straight lines between the samples. [`spectrum`] divides the
-//! response's spectrum by that of such a force, so that the map comes out again by way of time.
+//! Forces are sampled ([`Forces`]) so that straight lines between the samples keep their momentum (`sampling.rs`).
+//! [`spectrum`] divides the response's spectrum by that of such a force, so that the map comes out again by way of time.
 //! Formulas, sources and accuracy: `docs/time_response.md`.
 
 pub mod contact;
 mod coupled;
 mod csv;
+mod cutter;
 mod force;
+mod force_check;
 mod force_text;
 mod frozen;
 mod kernel;
 mod milling;
 pub mod moving;
+mod noise;
 mod path;
+mod sampling;
+mod share;
 pub mod spectrum;
 
-pub use csv::{read_force_file, read_path_file};
+pub use csv::{ForceFile, read_force_file, read_path_file};
+pub use cutter::CutterPort;
 pub use force::{Forces, Pulse, PulseShape, Shape};
+pub use force_check::mirrored_share;
 pub use force_text::{parse_force, parse_milling};
 pub use frozen::{History, Plant, Recording, simulate, simulate_all};
 pub use milling::Milling;
 pub use path::Path;
+pub use share::acceleration_share_above;
 
 use crate::coupling::CouplingError;
 use crate::modal::ModalError;

@@ -5,6 +5,8 @@ mod contact;
 mod database;
 mod forces;
 mod frozen;
+mod milling;
+mod momentum;
 mod moving;
 mod recursion;
 mod spectra;

@@ -38,10 +38,15 @@ pub struct Event {
 pub struct ContactHistory {
     /// Motions of the outputs.
     pub history: History,
-    /// Relative motion e of each element, `[sample, element]`, m.
+    /// Relative motion e of each element, side 1 against side 0, `[sample, element]`, m.
     pub relative: Vec<f64>,
+    /// Its rate, `[sample, element]`, m/s; 0 where friction holds.
+    pub speed: Vec<f64>,
     /// Tension lambda of each element over the step before each sample, `[sample, element]`, N.
     pub tension: Vec<f64>,
+    /// Force with which each joint draws side 1 back to side 0, `[sample, element]`, N: friction's lambda, against the
+    /// sliding; of a screw with play its spring's whole force k e + lambda, 0 inside the play.
+    pub force: Vec<f64>,
     /// Events in order.
     pub events: Vec<Event>,
 }
@@ -62,6 +67,8 @@ struct Stepper<'a> {
     anchors: Vec<f64>,
     branches: Vec<Branch>,
     events: Vec<Event>,
+    /// The static part of each relative motion at the last recorded sample, m.
+    still: Vec<f64>,
 }
 
 /// The response from an initial state (rest if `initial` is `None`: modal displacements and rates).
@@ -93,6 +100,7 @@ pub fn simulate_contact(
         anchors: vec![0.0; elements.len()],
         branches: Vec::new(),
         events: Vec::new(),
+        still: Vec::new(),
         elements: &elements,
         plant,
     };
@@ -102,6 +110,8 @@ pub fn simulate_contact(
     let mut out = ContactHistory {
         history: History { step: h, n_outputs: stepper.plant.outputs.nrows(), ..History::default() },
         relative: Vec::with_capacity(m * forces.samples()),
+        speed: Vec::with_capacity(m * forces.samples()),
+        force: Vec::with_capacity(m * forces.samples()),
         tension: Vec::with_capacity(m * forces.samples()),
         events: Vec::new(),
     };
@@ -346,7 +356,7 @@ impl Stepper<'_> {
         self.branches.clone_from(&solution.branches);
     }
 
-    fn record(&self, out: &mut ContactHistory, u: &[f64], tension: &[f64]) {
+    fn record(&mut self, out: &mut ContactHistory, u: &[f64], tension: &[f64]) {
         let p = &self.plant;
         for i in 0..p.outputs.nrows() {
             let sum = |x: &dyn Fn(usize) -> f64| (0..p.omega.len()).map(|r| p.outputs[(i, r)] * x(r)).sum::<f64>();
@@ -369,8 +379,21 @@ impl Stepper<'_> {
             }
         }
         for (i, l) in tension.iter().enumerate() {
-            out.relative.push(self.relative(i, u));
+            let e = self.relative(i, u);
+            out.relative.push(e);
             out.tension.push(*l);
+            out.force.push(match self.elements[i].law {
+                Law::Friction(_) => *l,
+                Law::Backlash { gap, stiffness } => stiffness * (e - e.clamp(-gap / 2.0, gap / 2.0)),
+            });
         }
+        let dot = |i: usize, x: &[f64]| self.elements[i].row.iter().zip(x).map(|(a, b)| a * b).sum::<f64>();
+        let still: Vec<f64> = (0..tension.len()).map(|i| self.relative(i, u) - dot(i, &self.q)).collect();
+        for (i, now) in still.iter().enumerate() {
+            let given_way = self.still.get(i).map_or(0.0, |before| (now - before) / out.history.step);
+            let holds = self.branches[i] == Branch::Sticks;
+            out.speed.push(if holds { 0.0 } else { dot(i, &self.v) + given_way });
+        }
+        self.still = still;
     }
 }
