@@ -115,7 +115,7 @@ fn momentum_and_its_middle_are_kept_wherever_a_pulse_begins() {
                 let u = forces.input(0);
                 let least = u.iter().copied().fold(0.0, f64::min);
                 assert!(
-                    samples < 8.0 || least > -0.02 * 3.0,
+                    samples < 8.0 || least > -0.03 * 3.0,
                     "{text}: a resolved pulse hardly turns its sign, {least}"
                 );
                 let before = u[..97].iter().chain(&u[104 + samples as usize..]).any(|f| f.abs() > 1e-12);
