@@ -39,7 +39,7 @@ pub(super) fn simulate_coupled(plant: &Plant, forces: &Forces, recording: Record
         let count = length.min(samples - 1 - first);
         // Forces of the block: those at the beginning of each step, and those at its end.
         let own = DMatrix::from_fn(2 * i, count, |row, m| forces.values[(first + m + row / i) * i + row % i]);
-        let free = &blocks.outputs.rows(0, count * rows) * &x;
+        let free = blocks.outputs.rows(0, count * rows) * &x;
         for k in 1..=count {
             let mut y = free.rows((k - 1) * rows, rows).into_owned();
             for m in 0..k {
@@ -77,17 +77,17 @@ impl System {
         let scale: Vec<f64> = plant.omega.iter().map(|w| w.max(SLOWEST)).collect();
         let mut a = DMatrix::zeros(2 * n, 2 * n);
         a.view_mut((n, n), (n, n)).copy_from(&-multiply(&plant.dampers.transpose(), &plant.dampers));
-        for r in 0..n {
-            a[(r, n + r)] = scale[r];
-            a[(n + r, r)] = -plant.omega[r] * plant.omega[r] / scale[r];
+        for (r, scale) in scale.iter().enumerate() {
+            a[(r, n + r)] = *scale;
+            a[(n + r, r)] = -plant.omega[r] * plant.omega[r] / scale;
             a[(n + r, n + r)] -= 2.0 * plant.zeta[r] * plant.omega[r];
         }
         let mut b = DMatrix::zeros(2 * n, plant.inputs.nrows());
         b.rows_mut(n, n).copy_from(&plant.inputs.transpose());
         let blocks = 1 + usize::from(recording.velocity) + usize::from(recording.acceleration);
         let (mut c, mut d) = (DMatrix::zeros(blocks * o, 2 * n), DMatrix::zeros(blocks * o, plant.inputs.nrows()));
-        for r in 0..n {
-            c.view_mut((0, r), (o, 1)).copy_from(&(plant.outputs.column(r) / scale[r]));
+        for (r, scale) in scale.iter().enumerate() {
+            c.view_mut((0, r), (o, 1)).copy_from(&(plant.outputs.column(r) / *scale));
         }
         if recording.velocity {
             c.view_mut((o, n), (o, n)).copy_from(&plant.outputs);

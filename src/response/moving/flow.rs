@@ -176,10 +176,10 @@ impl<'a> Flow<'a> {
             self.factor.solve_mut(&mut y);
             let resisted = known + resistance(&y, (c, d), self.step);
             let own = self.rows.tr_mul(&resisted.rows(0, 2 * c + d));
-            (0..n).for_each(|r| forces[r][0] -= own[r]);
-            for j in 1..3 {
-                let own = self.dampers.tr_mul(&resisted.rows(2 * c + j * d, d));
-                (0..n).for_each(|r| forces[r][j] -= own[r]);
+            let slopes = self.dampers.tr_mul(&resisted.rows(2 * c + d, d));
+            let curves = self.dampers.tr_mul(&resisted.rows(2 * c + 2 * d, d));
+            for (r, force) in forces.iter_mut().enumerate() {
+                *force = [force[0] - own[r], force[1] - slopes[r], force[2] - curves[r]];
             }
             for j in 0..3 {
                 lost += (2 * j + 1) as f64 / self.step * y.rows(2 * c + j * d, d).norm_squared();
