@@ -15,6 +15,7 @@ pub fn acceleration_share_above(frequency: f64, plant: &Plant, history: &History
     let below = Plant {
         omega: kept.iter().map(|&r| plant.omega[r]).collect(),
         zeta: kept.iter().map(|&r| plant.zeta[r]).collect(),
+        dampers: plant.dampers.select_columns(&kept),
         outputs: plant.outputs.select_columns(&kept),
         inputs: plant.inputs.select_columns(&kept),
         ..plant.clone()

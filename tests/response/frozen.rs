@@ -1,10 +1,13 @@
 //! Fixed position: SciPy, the matrix exponential and python-control on the exported system.
 
 use super::{apart, modes, names, python};
+use nalgebra::{DMatrix, DVector};
 use stiffmap::export::{history, mat};
 use stiffmap::frf::{FrfRequest, Quantity, Selection, modal_sum, modal_systems};
 use stiffmap::interrupt::Interrupt;
-use stiffmap::response::{Forces, Plant, Recording, parse_force, simulate, simulate_all};
+use stiffmap::response::{
+    Forces, History, Plant, Recording, acceleration_share_above, parse_force, simulate, simulate_all,
+};
 use stiffmap::state_space::{Database, Hold, StateSpace, StateSpaceOptions, discretise, state_space};
 
 const EVERYTHING: StateSpaceOptions =
@@ -134,4 +137,79 @@ fn positions_in_parallel_are_those_one_by_one_and_can_be_stopped() {
     let stopped = Interrupt::default();
     stopped.request();
     assert!(simulate_all(&plants, &forces, ALL, &stopped, &|| ()).is_err());
+}
+
+/// Three modes, the first free, with two dampers between them.
+fn damped() -> Plant {
+    Plant {
+        position: 0.0,
+        omega: vec![0.0, 900.0, 4000.0],
+        zeta: vec![0.0, 0.01, 0.02],
+        dampers: DMatrix::from_row_slice(2, 3, &[6.0, -11.0, 20.0, 2.0, 9.0, 14.0]),
+        outputs: DMatrix::from_row_slice(2, 3, &[0.5, 1.0, -0.8, 0.3, -0.7, 0.9]),
+        inputs: DMatrix::from_row_slice(1, 3, &[0.4, 0.6, 1.1]),
+        direct: DMatrix::from_column_slice(2, 1, &[1e-8, -2e-8]),
+    }
+}
+
+/// Displacements, rates and accelerations of all samples by the classical Runge-Kutta method in small steps.
+fn by_small_steps(plant: &Plant, forces: &Forces, parts: usize) -> Vec<[f64; 6]> {
+    let n = plant.omega.len();
+    let damping = plant.dampers.transpose() * &plant.dampers;
+    let accelerate = |q: &DVector<f64>, v: &DVector<f64>, u: f64| {
+        let own = |r: usize| {
+            let w = plant.omega[r];
+            plant.inputs[(0, r)] * u - 2.0 * plant.zeta[r] * w * v[r] - w * w * q[r]
+        };
+        DVector::from_fn(n, |r, _| own(r)) - &damping * v
+    };
+    let (mut q, mut v) = (DVector::zeros(n), DVector::zeros(n));
+    let h = forces.step / parts as f64;
+    let mut out = Vec::new();
+    for k in 0..forces.samples() {
+        let u = forces.values[k];
+        let rows =
+            [&plant.outputs * &q + &plant.direct * u, &plant.outputs * &v, &plant.outputs * accelerate(&q, &v, u)];
+        out.push(std::array::from_fn(|i| rows[i / 2][i % 2]));
+        let Some(next) = forces.values.get(k + 1) else { break };
+        for p in 0..parts {
+            let u = |s: f64| u + (next - u) * (p as f64 + s) / parts as f64;
+            let a = (v.clone(), accelerate(&q, &v, u(0.0)));
+            let step = |d: &(DVector<f64>, DVector<f64>), t: f64, s: f64| {
+                let (q, v) = (&q + &d.0 * t, &v + &d.1 * t);
+                (v.clone(), accelerate(&q, &v, u(s)))
+            };
+            let b = step(&a, 0.5 * h, 0.5);
+            let c = step(&b, 0.5 * h, 0.5);
+            let d = step(&c, h, 1.0);
+            q += (a.0 + (b.0 + c.0) * 2.0 + d.0) * (h / 6.0);
+            v += (a.1 + (b.1 + c.1) * 2.0 + d.1) * (h / 6.0);
+        }
+    }
+    out
+}
+
+#[test]
+fn dampers_between_modes_act_as_small_steps_say() {
+    let plant = damped();
+    // More than two blocks of samples, and a rest.
+    let mut forces = Forces::none(&["x".to_owned()], 0.015, 10e3).unwrap();
+    forces.add(0, &parse_force("impulse,length=2e-3").unwrap());
+    let expected = by_small_steps(&plant, &forces, 60);
+    let differences = |found: &History| {
+        let lists = [&found.displacement, found.velocity.as_ref().unwrap(), found.acceleration.as_ref().unwrap()];
+        let one = |i: usize| {
+            let own: Vec<f64> = lists[i / 2].iter().skip(i % 2).step_by(2).copied().collect();
+            super::apart(&own, &expected.iter().map(|e| e[i]).collect::<Vec<_>>())
+        };
+        (0..6).map(one).fold(0.0, f64::max)
+    };
+    let found = differences(&simulate(&plant, &forces, ALL));
+    println!("dampers between modes: {found:.1e} of the peak");
+    assert!(found < 1e-8, "{found:.1e}");
+    let projected = Plant { zeta: plant.projected_ratios(), dampers: DMatrix::zeros(0, 3), ..plant.clone() };
+    let control = differences(&simulate(&projected, &forces, ALL));
+    assert!(control > 1e-2, "control: projected on the modes, {control:.1e}");
+    let share = acceleration_share_above(400.0, &plant, &simulate(&plant, &forces, ALL), &forces).unwrap();
+    assert!((0.05..1.5).contains(&share), "share of the fastest mode {share}");
 }
