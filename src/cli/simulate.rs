@@ -255,7 +255,8 @@ impl Arguments {
             PathModel::new(model, damping, path, options, interrupt, step)
         })?;
         let between = along.difference(model, damping, self.highest(machine), PROBES)?;
-        let stepping = TravelOptions { recording: self.recording(), ..TravelOptions::default() };
+        let stepping =
+            TravelOptions { recording: self.recording(), highest: self.highest(machine), ..TravelOptions::default() };
         let holds = forces.samples().div_ceil(stepping.hold);
         let result = progress.stage("travel", holds, |step| travel(&along, path, forces, stepping, interrupt, step))?;
         manifest.counts.push("path_coordinates", along.n() as u64);

@@ -94,8 +94,6 @@ impl Piece {
 const SNAP: f64 = 1e-7;
 /// A force counts as smooth over a bend if it stays this near to its chord, as a share of its largest value.
 const NEAR: f64 = 0.01;
-/// A force is resolved by a step over which it changes by no more than this share of its largest value.
-const SLOW: f64 = 0.3;
 /// A force has lost its form in a step if it turns twice inside and leaves its chord by this share of its largest value.
 const LOST: f64 = 0.05;
 
@@ -165,7 +163,7 @@ struct OneStep {
     shares: [f64; 2],
     /// Integral of f times both hats.
     width: f64,
-    /// The force changes faster than the step, without one jump that explains it.
+    /// The force has no form in the step.
     fast: bool,
     /// The force turns more than once inside.
     lost: bool,
@@ -202,17 +200,13 @@ fn one_step(inside: &[Piece], from: f64, peak: f64, brief: bool) -> OneStep {
     }
     let chord = |t: f64| ends[0] + (ends[1] - ends[0]) * (t - from);
     let departure = bends.iter().map(|&(t, a, b)| (a - chord(t)).abs().max((b - chord(t)).abs())).fold(0.0, f64::max);
-    // A line from sample to sample is what it is, however steep.
-    let is_line = |p: &Piece| p.amplitude == 0.0 && p.from.fract() == 0.0 && p.to.fract() == 0.0;
-    let slow = (ends[0] - ends[1]).abs() <= SLOW * peak || inside.len() == 1 && is_line(&inside[0]);
-    let jumps = bends.iter().any(|(_, before, after)| (before - after).abs() > NEAR * peak);
     let lost = bends.len() > 1 && departure > LOST * peak;
-    if slow && departure <= NEAR * peak && !brief {
+    if departure <= NEAR * peak && !brief {
         let moved = (ends[0] - ends[1]) / 6.0;
         shares[0] += moved;
         shares[1] -= moved;
     }
-    OneStep { shares, width, fast: brief || lost || !slow && !jumps, lost }
+    OneStep { shares, width, fast: brief || lost, lost }
 }
 
 #[cfg(test)]

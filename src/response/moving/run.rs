@@ -17,11 +17,13 @@ pub struct TravelOptions {
     pub hold: usize,
     /// What is recorded.
     pub recording: Recording,
+    /// Modes up to this frequency count for the frequency error, Hz.
+    pub highest: f64,
 }
 
 impl Default for TravelOptions {
     fn default() -> Self {
-        Self { hold: 2, recording: Recording::default() }
+        Self { hold: 2, recording: Recording::default(), highest: f64::INFINITY }
     }
 }
 
@@ -35,7 +37,7 @@ pub struct Travel {
     /// The energy balance.
     pub energy: Energy,
     /// Largest share by which a frequency is off because the change from the nearest station acts with its mean over a
-    /// step: (K(p) - K_s)_rr h^2 / 12 of the modes up to a tenth of the sampling rate.
+    /// step: (K(p) - K_s)_rr h^2 / 12 of the modes up to a tenth of the sampling rate and up to the highest asked for.
     pub frequency_error: f64,
 }
 
@@ -141,7 +143,7 @@ impl Walk<'_> {
             (self.q, self.v) = (turned(&self.q), turned(&self.v));
         }
         self.station = Some(flow.station);
-        let edge = RESOLVED * std::f64::consts::TAU / self.forces.step;
+        let edge = std::f64::consts::TAU * (RESOLVED / self.forces.step).min(self.options.highest);
         let resolved = model.of(flow.station).omega.iter().take_while(|w| **w <= edge).count();
         let off = flow.middle.largest_on_diagonal(resolved) * self.forces.step.powi(2) / 12.0;
         self.frequency_error = self.frequency_error.max(off);
