@@ -182,7 +182,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     } else {
         (pipeline::Simplified::StateSpace(states), "state_space.mat takes")
     };
-    let projection = progress.stage("simplified damping", 0, |_| {
+    let projection = progress.stage("state space's accuracy", 0, |_| {
         pipeline::projection_error(&machine, &model, &axes.positions, highest, simplified)
     })?;
     let projected = projection.as_ref().and_then(|p| p.warning(what));
