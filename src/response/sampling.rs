@@ -95,7 +95,7 @@ const SNAP: f64 = 1e-7;
 /// A force counts as smooth over a bend if it stays this near to its chord, as a share of its largest value.
 const NEAR: f64 = 0.01;
 /// A force is resolved by a step over which it changes by no more than this share of its largest value.
-const SLOW: f64 = 0.3;
+const SLOW: f64 = 0.4;
 /// A force has lost its form in a step if it turns twice inside and leaves its chord by this share of its largest value.
 const LOST: f64 = 0.05;
 
