@@ -6,7 +6,7 @@ use super::run::relative;
 use super::simulate::Arguments;
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
-use stiffmap::export::history::{Contacts, write_csv, write_csv_with_contacts, write_mat, write_mat_with_contacts};
+use stiffmap::export::history::{Contacts, write_csv, write_mat};
 use stiffmap::export::manifest::Manifest;
 use stiffmap::export::response::{Response, safe};
 use stiffmap::export::{atomic, mat, surface};
@@ -58,9 +58,9 @@ pub fn write(
         let mut files = vec![csv.clone(), whole.clone()];
         match &outcome.result {
             Found::Fixed { positions, histories, map } => {
-                write_csv(&csv, &histories[0], forces, outputs, None)?;
+                write_csv(&csv, &histories[0], forces, outputs, None, None)?;
                 go_on()?;
-                write_mat(&whole, positions, histories, forces, outputs, None)?;
+                write_mat(&whole, positions, histories, forces, outputs, None, &[])?;
                 go_on()?;
                 if let Some(map) = map {
                     files.push(out.join("spectra.mat"));
@@ -76,17 +76,17 @@ pub fn write(
             }
             Found::Contact { positions, runs } => {
                 let contacts: Vec<Contacts<'_>> = runs.iter().map(contacts).collect();
-                write_csv_with_contacts(&csv, &runs[0].0.history, forces, outputs, None, contacts.first())?;
+                write_csv(&csv, &runs[0].0.history, forces, outputs, None, contacts.first())?;
                 let histories: Vec<History> = runs.iter().map(|(run, _)| run.history.clone()).collect();
-                write_mat_with_contacts(&whole, positions, &histories, forces, outputs, None, &contacts)?;
+                write_mat(&whole, positions, &histories, forces, outputs, None, &contacts)?;
                 files.push(out.join("joint_events.csv"));
                 write_events(&out.join("joint_events.csv"), positions, runs)?;
             }
             Found::Along(travel) => {
-                write_csv(&csv, &travel.history, forces, outputs, Some(&travel.positions))?;
+                write_csv(&csv, &travel.history, forces, outputs, Some(&travel.positions), None)?;
                 go_on()?;
                 let history = std::slice::from_ref(&travel.history);
-                write_mat(&whole, &travel.positions, history, forces, outputs, Some(&travel.energy))?;
+                write_mat(&whole, &travel.positions, history, forces, outputs, Some(&travel.energy), &[])?;
             }
         }
         Ok(files)

@@ -126,8 +126,8 @@ impl Sampled {
             "depth_mm": 1e3 * cut.depth,
             "kt_n_per_mm2": 1e-6 * cut.kt,
             "kr": cut.kr,
-            "entry_degrees": cut.entry.to_degrees(),
-            "exit_degrees": cut.exit.to_degrees(),
+            "entry_degrees": degrees(cut.entry),
+            "exit_degrees": degrees(cut.exit),
             "along": signed(&cut.feed_input, cut.signs[0]),
             "across": signed(&cut.normal_input, cut.signs[1]),
             "tooth_passing_hz": cut.tooth_passing(),
@@ -135,6 +135,11 @@ impl Sampled {
         }));
         Ok(())
     }
+}
+
+/// An angle as the user wrote it, without the last digits of a conversion.
+fn degrees(angle: f64) -> f64 {
+    (1e9 * angle.to_degrees()).round() / 1e9
 }
 
 /// Every parameter of a force.

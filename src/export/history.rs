@@ -47,27 +47,14 @@ impl<'a> Contacts<'a> {
 }
 
 /// Writes `time_history.csv`: `time_s`, `position_m` along a path, `force_<input>_N`, `<output>_m`, and
-/// `<output>_m_per_s`, `<output>_m_per_s2` where they were recorded. Numbers read back to the last bit.
+/// `<output>_m_per_s`, `<output>_m_per_s2` where they were recorded, then `<joint>_slip_m`, `<joint>_slip_m_per_s` and
+/// `<joint>_contact_force_N` of joints with friction or backlash; characters of a joint's name other than letters, digits
+/// and `-` become `_`. Numbers read back to the last bit.
 ///
 /// # Errors
 /// [`ExportError::Shape`] if the parts do not fit, [`ExportError::NotFinite`] with the place,
 /// [`ExportError::Io`] if the file cannot be written.
 pub fn write_csv(
-    path: &Path,
-    history: &History,
-    forces: &Forces,
-    outputs: &[String],
-    positions: Option<&[f64]>,
-) -> Result<(), ExportError> {
-    write_csv_with_contacts(path, history, forces, outputs, positions, None)
-}
-
-/// As [`write_csv`], followed by `<joint>_slip_m`, `<joint>_slip_m_per_s` and `<joint>_contact_force_N` of each contact;
-/// what a file name should not hold is `_` in a joint's name.
-///
-/// # Errors
-/// As [`write_csv`].
-pub fn write_csv_with_contacts(
     path: &Path,
     history: &History,
     forces: &Forces,
@@ -121,27 +108,13 @@ pub fn write_csv_with_contacts(
 /// | `force` | n_sample x n_input | N |
 /// | `displacement` (`velocity`, `acceleration`) | n_sample x n_output x n_position; along a path n_position is 1 | m (m/s, m/s^2) |
 /// | `input`, `output` | cell columns of names | |
+/// | `contact` | cell column of the joints with friction or backlash, if there are any | |
+/// | `contact_slip`, `contact_speed`, `contact_force` | n_sample x n_joint x n_position | m, m/s, N |
 /// | `energy` (along a path) | struct of n_sample x 1: kinetic, potential, force, dissipated, travel | J |
 ///
 /// # Errors
 /// As [`write_csv`], and [`ExportError::TooLarge`] past 2^31 bytes a variable.
 pub fn write_mat(
-    path: &Path,
-    positions: &[f64],
-    histories: &[History],
-    forces: &Forces,
-    outputs: &[String],
-    energy: Option<&Energy>,
-) -> Result<(), ExportError> {
-    write_mat_with_contacts(path, positions, histories, forces, outputs, energy, &[])
-}
-
-/// As [`write_mat`], with `contact` (cell column of joints), `contact_slip` (m), `contact_speed` (m/s) and
-/// `contact_force` (N), n_sample x n_joint x n_position, where there are contacts, one entry a position.
-///
-/// # Errors
-/// As [`write_mat`].
-pub fn write_mat_with_contacts(
     path: &Path,
     positions: &[f64],
     histories: &[History],

@@ -121,11 +121,16 @@ impl super::Modes {
             let dampers = DMatrix::zeros(0, self.eigenvalues.len());
             return ViscousDamping { ratios: ratio(&self.damping_ratios), dampers };
         };
-        let acting: Vec<usize> = (0..own.viscous.len()).filter(|&s| own.viscous[s] > 0.0).collect();
-        let mut dampers = own.springs.select_rows(&acting);
-        for (mut row, &s) in dampers.row_iter_mut().zip(&acting) {
-            row *= own.viscous[s].sqrt();
-        }
-        ViscousDamping { ratios: ratio(&own.damping_ratios), dampers }
+        ViscousDamping { ratios: ratio(&own.damping_ratios), dampers: damper_rows(&own.springs, &own.viscous) }
     }
+}
+
+/// Rows G of the dampers among springs, from the springs' elongations (n_spring x n) and dampers (N s/m or N m s/rad).
+pub(crate) fn damper_rows(elongations: &DMatrix<f64>, viscous: &[f64]) -> DMatrix<f64> {
+    let acting: Vec<usize> = (0..viscous.len()).filter(|&s| viscous[s] > 0.0).collect();
+    let mut dampers = elongations.select_rows(&acting);
+    for (mut row, &s) in dampers.row_iter_mut().zip(&acting) {
+        row *= viscous[s].sqrt();
+    }
+    dampers
 }

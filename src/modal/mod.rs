@@ -8,6 +8,7 @@ mod solve;
 mod tracking;
 
 pub use convergence::{ConvergenceError, Extrapolation, extrapolate};
+pub(crate) use dissipation::damper_rows;
 pub use dissipation::{Dissipation, PartLosses, ViscousDamping};
 pub use estimate::{MissingMotion, ReductionEstimate, SAFETY, reduction_estimate};
 pub use solve::{FreeMotion, ModeCount, Modes, base_modes, check_count, modes_around, modes_at};

@@ -10,7 +10,7 @@
 
 use super::{Forces, Plant, Recording};
 use crate::linalg::multiply;
-use crate::state_space::SystemStep;
+use crate::state_space::{SystemStep, state_matrix};
 use nalgebra::{DMatrix, DVector};
 
 /// Samples from one state to the next.
@@ -22,7 +22,7 @@ pub(super) fn simulate_coupled(plant: &Plant, forces: &Forces, recording: Record
     let n = plant.omega.len();
     let (i, samples) = (plant.inputs.nrows(), forces.samples());
     let system = System::new(plant, recording);
-    let step = SystemStep::new(&system.a, &system.b, forces.step);
+    let step = SystemStep::new(&system.a, &system.b, &system.eigenvalues, forces.step);
     let length = BLOCK.min(samples.saturating_sub(1)).max(1);
     let blocks = Blocks::new(&step, &system.c, length);
     let u = |k: usize| DVector::from_column_slice(&forces.values[k * i..][..i]);
@@ -54,50 +54,37 @@ pub(super) fn simulate_coupled(plant: &Plant, forces: &Forces, recording: Record
         x = next;
         first += count;
     }
-    let displacements = (0..n).map(|r| x[r] / system.scale[r]).collect();
-    (out, [displacements, x.as_slice()[n..].to_vec()])
+    (out, [x.as_slice()[..n].to_vec(), x.as_slice()[n..].to_vec()])
 }
 
-/// The plant as x' = A x + B u, y = C x + D u, with its displacements times their frequencies so that all states are
-/// rates.
+/// The plant as x' = A x + B u, y = C x + D u, without the direct compliance.
 struct System {
+    eigenvalues: Vec<f64>,
     a: DMatrix<f64>,
     b: DMatrix<f64>,
     c: DMatrix<f64>,
     d: DMatrix<f64>,
-    scale: Vec<f64>,
 }
-
-/// Slow and free motions are scaled as if they turned by this much a second, rad/s.
-const SLOWEST: f64 = 1.0;
 
 impl System {
     fn new(plant: &Plant, recording: Recording) -> Self {
         let (n, o) = (plant.omega.len(), plant.outputs.nrows());
-        let scale: Vec<f64> = plant.omega.iter().map(|w| w.max(SLOWEST)).collect();
-        let mut a = DMatrix::zeros(2 * n, 2 * n);
-        a.view_mut((n, n), (n, n)).copy_from(&-multiply(&plant.dampers.transpose(), &plant.dampers));
-        for (r, scale) in scale.iter().enumerate() {
-            a[(r, n + r)] = *scale;
-            a[(n + r, r)] = -plant.omega[r] * plant.omega[r] / scale;
-            a[(n + r, n + r)] -= 2.0 * plant.zeta[r] * plant.omega[r];
-        }
+        let eigenvalues: Vec<f64> = plant.omega.iter().map(|w| w * w).collect();
+        let a = state_matrix(&eigenvalues, &plant.zeta, &plant.dampers);
         let mut b = DMatrix::zeros(2 * n, plant.inputs.nrows());
         b.rows_mut(n, n).copy_from(&plant.inputs.transpose());
         let blocks = 1 + usize::from(recording.velocity) + usize::from(recording.acceleration);
         let (mut c, mut d) = (DMatrix::zeros(blocks * o, 2 * n), DMatrix::zeros(blocks * o, plant.inputs.nrows()));
-        for (r, scale) in scale.iter().enumerate() {
-            c.view_mut((0, r), (o, 1)).copy_from(&(plant.outputs.column(r) / *scale));
-        }
+        c.view_mut((0, 0), (o, n)).copy_from(&plant.outputs);
         if recording.velocity {
             c.view_mut((o, n), (o, n)).copy_from(&plant.outputs);
         }
         if recording.acceleration {
-            let rows = multiply(&plant.outputs, &a.rows(n, n).into_owned());
-            c.rows_mut((blocks - 1) * o, o).copy_from(&rows);
-            d.rows_mut((blocks - 1) * o, o).copy_from(&multiply(&plant.outputs, &plant.inputs.transpose()));
+            let last = (blocks - 1) * o;
+            c.rows_mut(last, o).copy_from(&multiply(&plant.outputs, &a.rows(n, n).into_owned()));
+            d.rows_mut(last, o).copy_from(&multiply(&plant.outputs, &plant.inputs.transpose()));
         }
-        Self { a, b, c, d, scale }
+        Self { eigenvalues, a, b, c, d }
     }
 }
 

@@ -148,8 +148,10 @@ pub(super) fn directions(
         let next = rest.next().map(|n| ((*n).to_owned(), 1.0));
         if than.is_some() && rest.next().is_some() { None } else { next }
     };
+    let two = free.len() == 2;
     let unknown = || {
         let why = match chosen {
+            Some(_) if two => "the one that was given does not lie across the spindle, so that both are needed",
             Some(p) if p.spindle.is_some() => "the port has not two directions across the spindle",
             Some(_) => "the port's part is not held by bearings alone, so that nothing says where the spindle points",
             None => {
@@ -159,7 +161,6 @@ pub(super) fn directions(
         let allowed = format!("along=INPUT,across=INPUT (feed and normal direction): {why}; inputs: {}", names(ports));
         ResponseError::not_allowed("--milling", "no directions of the cut", allowed)
     };
-    let two = free.len() == 2;
     let (feed, normal) = match (along, across) {
         (Some(a), Some(b)) => (a, b),
         (Some(a), None) => (a.clone(), other(Some(&a)).filter(|_| two).ok_or_else(unknown)?),

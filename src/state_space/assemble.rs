@@ -1,6 +1,6 @@
 //! The matrices A, B, C, D of a position's modes.
 
-use super::StateSpace;
+use super::{StateSpace, own_ratios, state_matrix};
 use crate::modal::Modes;
 use nalgebra::DMatrix;
 
@@ -49,19 +49,8 @@ pub(super) fn assemble(modes: &Modes, dampers: &DMatrix<f64>, options: StateSpac
     let dampers = dampers.select_columns(&kept);
     let (o, i) = (outputs.nrows(), inputs.nrows());
 
-    let mut a = DMatrix::zeros(2 * n, 2 * n);
+    let a = state_matrix(&eigenvalues, &own_ratios(&eigenvalues, &damping, &dampers), &dampers);
     let mut b = DMatrix::zeros(2 * n, i);
-    if dampers.nrows() > 0 {
-        a.view_mut((n, n), (n, n)).copy_from(&-dampers.tr_mul(&dampers));
-    }
-    for r in 0..n {
-        a[(r, n + r)] = 1.0;
-        a[(n + r, r)] = -eigenvalues[r];
-        // The ratio of an elastic mode has its own term of the dampers; a free motion has no ratio.
-        if eigenvalues[r] > 0.0 {
-            a[(n + r, n + r)] = -2.0 * damping[r] * eigenvalues[r].sqrt();
-        }
-    }
     b.rows_mut(n, n).copy_from(&inputs.transpose());
 
     let blocks = 1 + usize::from(options.velocity) + usize::from(options.acceleration);
@@ -81,15 +70,7 @@ pub(super) fn assemble(modes: &Modes, dampers: &DMatrix<f64>, options: StateSpac
         at += o;
     }
     if options.acceleration {
-        for r in 0..n {
-            for k in 0..o {
-                c[(at + k, r)] = outputs[(k, r)] * a[(n + r, r)];
-                c[(at + k, n + r)] = outputs[(k, r)] * a[(n + r, n + r)];
-            }
-        }
-        if dampers.nrows() > 0 {
-            c.view_mut((at, n), (o, n)).copy_from(&(&outputs * a.view((n, n), (n, n))));
-        }
+        c.rows_mut(at, o).copy_from(&(&outputs * a.rows(n, n)));
         d.rows_mut(at, o).copy_from(&(&outputs * inputs.transpose()));
     }
     StateSpace {

@@ -3,6 +3,10 @@
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 
+/// A mode that only dampers between modes damp has no damping in the sum; this ratio keeps the sum finite at its
+/// frequency, and changes the mode's damping by its own small amount.
+const FLOOR: f64 = 5e-10;
+
 /// Modes between inputs and outputs with dampers between them.
 ///
 /// ```text
@@ -25,11 +29,12 @@ impl DampedSum<'_> {
     /// Receptance of the modes at a frequency (Hz), n_output x n_input, m/N.
     pub fn at(&self, frequency: f64) -> DMatrix<Complex<f64>> {
         let omega = TAU * frequency;
+        let floor = if self.dampers.nrows() > 0 { FLOOR } else { 0.0 };
         let weights: Vec<Complex<f64>> = self
             .omega
             .iter()
             .zip(self.zeta)
-            .map(|(w, zeta)| Complex::new(w * w - omega * omega, 2.0 * zeta * w * omega).inv())
+            .map(|(w, zeta)| Complex::new(w * w - omega * omega, 2.0 * zeta.max(floor) * w * omega).inv())
             .collect();
         let sum = |left: &DMatrix<f64>, right: &DMatrix<f64>| {
             DMatrix::from_fn(left.nrows(), right.nrows(), |i, j| {

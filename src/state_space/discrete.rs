@@ -73,24 +73,9 @@ pub fn discretise(system: &StateSpace, sample_time: f64, hold: Hold) -> StateSpa
     StateSpace { a, b, d, ..system.clone() }
 }
 
-/// The same of a system whose modes dampers couple; displacements are scaled to rates for the exponential.
+/// The same of a system whose modes dampers couple.
 fn coupled(system: &StateSpace, sample_time: f64, hold: Hold) -> StateSpace {
-    let n = system.eigenvalues.len();
-    let scale: Vec<f64> = system.eigenvalues.iter().map(|l| l.sqrt().max(1.0)).chain(vec![1.0; n]).collect();
-    let (mut a, mut b) = (system.a.clone(), system.b.clone());
-    for (r, factor) in scale.iter().enumerate() {
-        a.row_mut(r).scale_mut(*factor);
-        a.column_mut(r).unscale_mut(*factor);
-        b.row_mut(r).scale_mut(*factor);
-    }
-    let mut step = SystemStep::new(&a, &b, sample_time);
-    for (r, factor) in scale.iter().enumerate() {
-        step.phi.row_mut(r).unscale_mut(*factor);
-        step.phi.column_mut(r).scale_mut(*factor);
-        for block in [&mut step.constant, &mut step.from, &mut step.to] {
-            block.row_mut(r).unscale_mut(*factor);
-        }
-    }
+    let step = SystemStep::new(&system.a, &system.b, &system.eigenvalues, sample_time);
     let (b, d) = match hold {
         Hold::Zero => (step.constant, system.d.clone()),
         Hold::First => (step.from + &step.phi * &step.to, &system.d + &system.c * &step.to),

@@ -13,7 +13,7 @@ pub use damped_sum::DampedSum;
 pub use database::{Aligned, Database, receptance, receptance_difference};
 pub use discrete::{Hold, discretise};
 pub use mode_step::ModeStep;
-pub use system_step::SystemStep;
+pub use system_step::{SystemStep, state_matrix};
 
 use crate::linalg::LinalgError;
 use nalgebra::DMatrix;
@@ -99,11 +99,15 @@ pub struct StateSpace {
 impl StateSpace {
     /// Damping ratio of each mode without the dampers between modes.
     pub fn own_damping(&self) -> Vec<f64> {
-        let own = |(r, zeta): (usize, &f64)| {
-            let omega = self.eigenvalues[r].sqrt();
-            let dampers = self.dampers.column(r).norm_squared();
-            if dampers == 0.0 { *zeta } else { (zeta - dampers / (2.0 * omega)).max(0.0) }
-        };
-        self.damping.iter().enumerate().map(own).collect()
+        own_ratios(&self.eigenvalues, &self.damping, &self.dampers)
     }
+}
+
+/// Ratios less the own terms of dampers between the modes.
+fn own_ratios(eigenvalues: &[f64], ratios: &[f64], dampers: &DMatrix<f64>) -> Vec<f64> {
+    let own = |(r, zeta): (usize, &f64)| {
+        let dampers = dampers.column(r).norm_squared();
+        if dampers == 0.0 { *zeta } else { (zeta - dampers / (2.0 * eigenvalues[r].sqrt())).max(0.0) }
+    };
+    ratios.iter().enumerate().map(own).collect()
 }

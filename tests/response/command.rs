@@ -55,8 +55,7 @@ fn the_papers_study_writes_histories_spectra_and_pictures() {
         (column(&out.join("time_history.csv"), "time_s"), column(&out.join("time_history.csv"), "force_y_N"));
     assert_eq!((time.len(), time[2]), (4000, 1e-4));
     assert!((force[10] - 1.0).abs() < 3e-3 && force[21] == 0.0, "1 N, 1 ms");
-    // Straight lines: the first and the last sample count by half.
-    let momentum = (force.iter().sum::<f64>() - 0.5 * (force[0] + force[3999])) / 20e3;
+    let momentum: f64 = (force.iter().sum::<f64>() - 0.5 * force[0]) / 20e3;
     assert!((momentum / (2e-3 / std::f64::consts::PI) - 1.0).abs() < 1e-9, "a half-sine's: {momentum} N s");
     let lines = column(&out.join("spectrum_x.csv"), "frequency_hz");
     assert_eq!(lines.len(), 3 * 180, "5 Hz apart up to 900 Hz, at three positions");
@@ -108,7 +107,21 @@ fn friction_and_backlash_of_the_machine_file_act_and_can_be_left_out() {
     assert!(apart(&held, &linear) > 1e-2, "{:.1e}", apart(&held, &linear));
     let events = std::fs::read_to_string(folder.path().join("out/joint_events.csv")).unwrap();
     assert!(events.contains("guide A,slides") && events.contains("ball screw,touches"), "{events:.500}");
+    let history = folder.path().join("out/time_history.csv");
+    let of = |name: &str| column(&history, name);
+    let (slip, speed, force) = (of("guide_A_slip_m"), of("guide_A_slip_m_per_s"), of("guide_A_contact_force_N"));
+    let most = |x: &[f64]| x.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    assert!(most(&slip) > 1e-7 && most(&force) <= 30.0 * (1.0 + 1e-9) && most(&force) > 20.0, "{}", most(&force));
+    // Where it slides, friction opposes the slip.
+    let slides: Vec<usize> = (0..slip.len()).filter(|&k| speed[k].abs() > 1e-4).collect();
+    let opposed = slides.iter().filter(|&&k| force[k] * speed[k] > 0.0).count();
+    assert!(slides.len() > 100 && opposed > slides.len() * 95 / 100, "{opposed} of {}", slides.len());
+    // The screw's force is that of its spring beyond the play of 0.5 um to either side.
+    let (play, screw) = (of("ball_screw_slip_m"), of("ball_screw_contact_force_N"));
+    assert!(play.iter().zip(&screw).all(|(e, f)| (e.abs() < 0.5e-6) == (*f == 0.0) && e * f >= 0.0));
+    assert!(most(&screw) > 1.0, "control: the play is taken up");
     let without = run(&rough, &["--linear"]);
+    assert!(!std::fs::read_to_string(&history).unwrap().contains("slip"), "no contact, no column");
     assert!(
         apart(&without, &linear) < 1e-6,
         "the friction's own row changes the basis by {:.1e}",

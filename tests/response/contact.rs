@@ -332,3 +332,34 @@ fn what_stands_beside_a_play_moves_as_statics_say() {
         }
     }
 }
+
+#[test]
+fn slip_speed_and_force_of_a_joint_are_recorded_as_they_are() {
+    let mass = Mass { m: 2.0, k: 5e4 };
+    let mut forces = nothing(0.2, 20e3);
+    forces.add(0, &Shape::Sine { amplitude: 40.0, frequency: 20.0, phase: 0.0 });
+    // A slider: its force is Coulomb's against its speed, and its speed is the slip's rate.
+    let run = mass.run(coulomb(9.0), &forces, 0.0, 0.0);
+    let h = forces.step;
+    let peak = run.speed.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let apart = |factor: f64| {
+        let pairs = run.relative.windows(2).zip(run.speed.windows(2));
+        pairs.map(|(e, v)| ((e[1] - e[0]) / h - 0.5 * factor * (v[0] + v[1])).abs()).fold(0.0, f64::max) / peak
+    };
+    assert!(peak > 1e-2 && apart(1.0) < 2e-2 && apart(1.1) > 5e-2, "{peak:.1e} m/s, {:.1e}", apart(1.0));
+    for k in 1..forces.samples() {
+        assert!(run.force[k].abs() <= 9.0 * (1.0 + 1e-9), "{k}");
+        if run.speed[k].abs() > 0.1 * peak {
+            assert!((run.force[k] - 9.0 * run.speed[k].signum()).abs() < 1e-9, "{k}: {} N", run.force[k]);
+        }
+    }
+    // A screw with play: its spring's force beyond the play, nothing inside.
+    let (gap, stiffness) = (20e-6, 4e4);
+    let run = mass.run(Law::Backlash { gap, stiffness }, &forces, 0.0, 0.0);
+    let inside = run.relative.iter().filter(|e| e.abs() < gap / 2.0).count();
+    assert!(inside > 10 && inside < forces.samples() - 10);
+    for (e, f) in run.relative.iter().zip(&run.force) {
+        let expected = if e.abs() < gap / 2.0 { 0.0 } else { stiffness * (e.abs() - gap / 2.0) * e.signum() };
+        assert!((f - expected).abs() < 1e-9 * stiffness * gap, "{e} m: {f} N of {expected}");
+    }
+}

@@ -37,7 +37,7 @@ fn the_response_is_lsims_and_the_matrix_exponentials_to_1e_9_of_the_peak() {
     let found = simulate(&Plant::of_state_space(&system), &forces, ALL);
     let record = folder.path().join("history.mat");
     let write_record = |h: &stiffmap::response::History| {
-        history::write_mat(&record, &[0.0], std::slice::from_ref(h), &forces, &names(), None).unwrap()
+        history::write_mat(&record, &[0.0], std::slice::from_ref(h), &forces, &names(), None, &[]).unwrap()
     };
     write_record(&found);
     let file = write(folder.path(), "system.mat", &system);
@@ -68,7 +68,7 @@ fn scipy_steps_the_discretised_system_to_the_same_response() {
     let forces = forces(0.1);
     let found = simulate(&Plant::of_state_space(&continuous), &forces, ALL);
     let record = folder.path().join("history.mat");
-    history::write_mat(&record, &[0.0], &[found], &forces, &names(), None).unwrap();
+    history::write_mat(&record, &[0.0], &[found], &forces, &names(), None, &[]).unwrap();
     database.states[0] = discretise(&continuous, forces.step, Hold::First);
     let file = folder.path().join("discrete.mat");
     mat::write_database(&file, &database, &names(), &names(), Some((forces.step, Hold::First))).unwrap();

@@ -93,6 +93,7 @@ fn a_blow_shorter_than_a_sample_moves_a_mass_by_its_momentum() {
             (210..2000).map(|k| (motion[k] - exact(k)).abs()).fold(0.0, f64::max) / (expected.abs() / mass.omega)
         };
         // The blow's own length counts to (omega L)^2 / 24 of a rectangle, less of the others: 1e-4 for the longest.
+        println!("{i}: momentum {:.1e}, motion {:.1e}", found / expected - 1.0, off(*expected, 0.0));
         assert!(off(*expected, 0.0) < 1e-4, "{i}: {:.1e}", off(*expected, 0.0));
         assert!(off(1.002 * expected, 0.0) > 1e-3, "control: two thousandths more momentum");
         assert!(off(*expected, 5e-6) > 1e-3, "control: a tenth of a sample later");
@@ -139,6 +140,7 @@ fn a_step_begins_when_it_says_and_does_not_overshoot() {
             let scale = 5.0 / mass.omega.powi(2);
             (202..2000).map(|k| (motion[k] / scale - exact(k, late)).abs()).fold(0.0, f64::max)
         };
+        println!("step at {start} s: {:.1e}", off(0.0));
         // Means lose x^2 / 6 of the wave, x = 0.047: 3.7e-4.
         assert!(off(0.0) < 5e-4, "{start}: {:.1e}", off(0.0));
         assert!(off(0.5 / RATE) > 1e-2, "control: half a sample late, as plain samples are");
@@ -167,6 +169,7 @@ fn waves_have_the_amplitude_that_was_asked_for() {
         let off = (share(&motion) / exact - 1.0).abs();
         let half = PI * frequency / RATE;
         let lost = 1.0 - (half.sin() / half).powi(2);
+        println!("{frequency} Hz: {off:.1e}");
         // The second wave at rate - f is seen at f in the samples; the oscillator hardly follows it.
         assert!(off < 0.02 * mirrored, "{frequency} Hz: {off:.1e}");
         assert!(lost > 50.0 * off, "control: straight lines through the wave itself lose {lost:.1e}");

@@ -40,7 +40,7 @@ fn thinned(travel: &Travel, stride: usize) -> Vec<f64> {
 }
 
 #[test]
-fn along_thirty_metres_a_minute_the_step_enters_to_second_order_and_the_energy_closes() {
+fn along_thirty_metres_a_minute_the_step_hardly_matters_and_the_energy_closes() {
     // 0.03 m in 0.06 s; docs/time_response.md has the figures of all 0.6 m.
     let path = Path::constant_speed(-0.27, -0.3, 0.5).unwrap();
     let model = path_model(&path, PathOptions::default());

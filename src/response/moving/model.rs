@@ -5,7 +5,7 @@ use crate::coupling::CoupledModel;
 use crate::interrupt::Interrupt;
 use crate::linalg::{multiply, multiply_transposed};
 use crate::machine::Damping;
-use crate::modal::modes_at;
+use crate::modal::{damper_rows, modes_at};
 use crate::response::{Path, ResponseError};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -256,12 +256,9 @@ fn local(model: &CoupledModel, damping: &Damping, position: f64) -> Result<Local
     let at = model.at(position)?;
     let springs = model.springs(position)?;
     let coupled = model.coupled(&at, &springs.stiffness)?;
-    let acting: Vec<usize> =
-        (0..springs.damping.len()).filter(|&s| springs.damping[s] > 0.0 && !damping.projected).collect();
-    let mut dampers = coupled.elongations.select_rows(&acting);
-    for (mut row, &s) in dampers.row_iter_mut().zip(&acting) {
-        row *= springs.damping[s].sqrt();
-    }
+    // Projected dampers are in the stations' ratios.
+    let viscous: &[f64] = if damping.projected { &[] } else { &springs.damping };
+    let dampers = damper_rows(&coupled.elongations, viscous);
     Ok(LocalModel {
         joints: model.smooth_roots(&at, &springs.stiffness)?,
         dampers,

@@ -145,7 +145,8 @@ impl Walk<'_> {
         self.station = Some(flow.station);
         let edge = std::f64::consts::TAU * (RESOLVED / self.forces.step).min(self.options.highest);
         let resolved = model.of(flow.station).omega.iter().take_while(|w| **w <= edge).count();
-        let off = flow.middle.largest_on_diagonal(resolved) * self.forces.step.powi(2) / 12.0;
+        let step = self.forces.step / self.parts as f64;
+        let off = flow.middle.largest_on_diagonal(resolved) * step.powi(2) / 12.0;
         self.frequency_error = self.frequency_error.max(off);
     }
 
