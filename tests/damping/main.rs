@@ -3,6 +3,7 @@
 mod sensitivities;
 #[path = "../support/mod.rs"]
 mod support;
+mod time;
 
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 use std::f64::consts::TAU;
