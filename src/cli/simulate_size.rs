@@ -114,18 +114,19 @@ fn fits(planned: &Planned, out: &Path, free: f64, memory: Option<f64>) -> Result
         return Ok(());
     }
     let refuse = |what: String, share: f64| {
-        let longest = planned.duration * share;
+        let longest = rounded_down(planned.duration * share);
+        let remedy = if longest > 0.0 {
+            format!("shorten --duration {} to {longest} s, or lower --rate {}", planned.duration, planned.rate)
+        } else {
+            "make room there, or take another --out".to_owned()
+        };
         let positions = if planned.positions > 1 { ", or take fewer --positions" } else { "" };
         Err(UsageError(format!(
-            "{:.0} samples of {} inputs and {} outputs at {} positions: {what}; shorten --duration {} to {} s, or lower \
-             --rate {}{positions}",
+            "{:.0} samples of {} inputs and {} outputs at {} positions: {what}; {remedy}{positions}",
             planned.samples(),
             planned.inputs,
             planned.rows,
-            planned.positions,
-            planned.duration,
-            rounded_down(longest),
-            planned.rate
+            planned.positions
         )))
     };
     // A variable's head takes less than this.
@@ -190,6 +191,8 @@ mod tests {
         // Its CSV file: 19 numbers in each of 2.98e7 lines.
         let refused = text(shorter, 1e10, 1e13).unwrap_err();
         assert!(refused.contains("out has 10.0 GB free"), "{refused}");
+        let full = text(shorter, 0.0, 1e13).unwrap_err();
+        assert!(full.contains("make room there") && !full.contains("to 0 s"), "{full}");
         let refused = text(shorter, 1e13, 4e9).unwrap_err();
         assert!(refused.contains("of memory, and 4.0 GB are available"), "{refused}");
         let many = Planned { positions: 121, duration: 30.0, ..NINE_INPUTS };

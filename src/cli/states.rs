@@ -80,11 +80,14 @@ impl StateArguments {
                 if let Some(figure) = database.worst_leave_one_out() {
                     manifest.settings.push("state_space_leave_one_out", json!(figure));
                     if figure > LEAVE_ONE_OUT_TOLD {
+                        let off = if figure.is_finite() {
+                            format!("is off by up to {:.1} % of its peak", 100.0 * figure)
+                        } else {
+                            "has a stiffness that is not positive".to_owned()
+                        };
                         manifest.warnings.push(format!(
                             "aligned state spaces between stations: a station interpolated from the others, at twice the \
-                             spacing, is off by up to {:.1} % of its peak; make the axis's step smaller before you \
-                             interpolate them",
-                            100.0 * figure
+                             spacing, {off}; make the axis's step smaller before you interpolate them"
                         ));
                     }
                 }

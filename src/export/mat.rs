@@ -162,7 +162,7 @@ pub fn write_state_spaces<'s>(
 /// | variable | content |
 /// |---|---|
 /// | `aligned` | struct of arrays over the positions that may be interpolated entry by entry: `position`, `stiffness`, `damping` (n_position x n x n), `inputs`, `outputs`, `compliance` |
-/// | `leave_one_out` | n_position x 1, share of the peak when a position is interpolated from the others; NaN at the ends |
+/// | `leave_one_out` | n_position x 1, share of the peak when a position is interpolated from the others; NaN at the ends, infinite where it cannot be |
 ///
 /// `states` of the database are written as they are: discretise them before, and say how in `discrete`.
 ///

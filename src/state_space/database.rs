@@ -46,8 +46,8 @@ pub struct Database {
     /// The same positions in aligned coordinates.
     pub aligned: Vec<Aligned>,
     /// Largest difference of the receptance matrix at each position when it is interpolated from the
-    /// others, as a share of its peak (Frobenius norm, 0 Hz to the last mode); `None` at the ends and
-    /// where fewer than four others remain.
+    /// others, as a share of its peak (Frobenius norm, 0 Hz to the last mode); infinite where the interpolated stiffness
+    /// is not positive, `None` at the ends.
     pub leave_one_out: Vec<Option<f64>>,
     /// What the states are.
     pub options: StateSpaceOptions,
@@ -85,10 +85,15 @@ impl Database {
         let mut database = Self { states, aligned, leave_one_out: Vec::new(), options, free };
         let loo = |k: usize| {
             let inside = k > 0 && k + 1 < positions.len() && positions.len() > 2;
-            inside
-                .then(|| database.interpolate_without(positions[k], Some(k)))
-                .transpose()
-                .map(|found| found.map(|found| receptance_difference(&found, &database.states[k])))
+            if !inside {
+                return Ok(None);
+            }
+            match database.interpolate_without(positions[k], Some(k)) {
+                Ok(found) => Ok(Some(receptance_difference(&found, &database.states[k]))),
+                // The stations are too far apart to interpolate there: the database stands, and the figure says so.
+                Err(StateSpaceError::Negative { .. }) => Ok(Some(f64::INFINITY)),
+                Err(error) => Err(error),
+            }
         };
         let figures = (0..positions.len()).into_par_iter().map(loo).collect::<Result<_, _>>()?;
         database.leave_one_out = figures;

@@ -207,3 +207,33 @@ fn the_file_alone_interpolates_in_python() {
     assert!(figure < 5e-4, "{figure:.1e}");
     assert!(python("aligned", &[&file, &exact(-0.32)]).unwrap() > 5e-4, "control: half a station away");
 }
+
+#[test]
+fn stations_too_far_apart_leave_a_database_that_says_so() {
+    // One mode, five metres of it: the polynomial through the others is negative at the second station.
+    let one = |k: usize| Modes {
+        position: k as f64,
+        eigenvalues: vec![if k == 3 { 1e6 } else { 1e4 }],
+        free: 0,
+        damping_ratios: vec![0.02],
+        loss_factors: vec![0.0],
+        dissipation: None,
+        shapes: DMatrix::identity(1, 1),
+        outputs: DMatrix::identity(1, 1),
+        inputs: DMatrix::identity(1, 1),
+        direct: DMatrix::zeros(1, 1),
+        direct_loss_factor: 0.0,
+    };
+    let modes: Vec<Modes> = (0..5).map(one).collect();
+    let options = StateSpaceOptions { modes: 1, velocity: false, acceleration: false, residual: true };
+    let database = Database::new(&modes, options).unwrap();
+    assert_eq!(database.leave_one_out[1], Some(f64::INFINITY));
+    assert_eq!((database.leave_one_out[0], database.leave_one_out[4]), (None, None));
+    assert_eq!(database.worst_leave_one_out(), Some(f64::INFINITY));
+    let folder = tempfile::tempdir().unwrap();
+    let ports = ["x".to_owned()];
+    mat::write_database(&folder.path().join("state_space.mat"), &database, &ports, &ports, None).unwrap();
+    let smooth: Vec<Modes> = modes.iter().map(|m| Modes { eigenvalues: vec![1e4], ..m.clone() }).collect();
+    let finite = Database::new(&smooth, options).unwrap().worst_leave_one_out().unwrap();
+    assert!(finite < 1e-9, "control: a machine that does not change, {finite:e}");
+}
