@@ -7,7 +7,7 @@ use super::record;
 use super::run::{relative, slug};
 use super::sweep_figures::{Best, draw_best};
 use super::sweep_progress::Rate;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -154,18 +154,27 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     manifest.write(&manifest_file)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
-        return Ok(());
+    } else {
+        summarise(&study, &found, &out, &progress);
     }
+    match (found.best, found.rows.first().and_then(|row| row.error.as_deref())) {
+        (None, Some(first)) => {
+            bail!("no design was answered; the first: {first}; {} has the reason of each", log.display())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn summarise(study: &Study, found: &Found, out: &Path, progress: &Progress) {
     let mut lines = vec![format!("\n{}: {} evaluations, ended by {}", study.name, found.rows.len(), found.ended)];
-    if let Some(best) = best {
-        lines.extend(super::sweep_files::design_in_words(&study, "evaluation", best));
+    if let Some(best) = found.best.map(|at| &found.rows[at]) {
+        lines.extend(super::sweep_files::design_in_words(study, "evaluation", best));
         if best.bounds_met != Some(true) {
             lines.push("warning: no design keeps every bound; this one misses them least".to_owned());
         }
     }
     lines.push(format!("files in {}", out.display()));
     progress.say(&lines.join("\n"));
-    Ok(())
 }
 
 /// The objective over the evaluations, with the best so far that keeps every bound.

@@ -6,7 +6,7 @@ use super::run::relative;
 use super::sweep::Arguments;
 use super::sweep_figures::{Best, draw_best, draw_rows};
 use super::sweep_rates::rates;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::export::atomic::write_bytes;
@@ -114,7 +114,14 @@ pub fn write_results(
     } else {
         summarise(finished, best, &manifest, progress);
     }
-    Ok(())
+    match rows.first().and_then(|row| row.error.as_deref()) {
+        Some(first) if failed == rows.len() => bail!(
+            "no design was answered; the first, design {}: {first}; the table in {} has the reason of each",
+            rows[0].index,
+            out.display()
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// The whole map of a design: its machine coupled from its parts, on the machine's frequency grid.

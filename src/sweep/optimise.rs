@@ -82,7 +82,8 @@ const SPREAD: f64 = 1e-7;
 pub struct Found {
     /// Every evaluation, in order.
     pub rows: Vec<Row>,
-    /// Place of the best design among the rows: the best that keeps every bound, if one does.
+    /// Place of the best design among the rows: the best that keeps every bound, if one does. `None` where no design has
+    /// a value.
     pub best: Option<usize>,
     /// Designs a generation.
     pub population: usize,
@@ -129,6 +130,10 @@ pub fn optimise(
     let mut rows: Vec<Row> = Vec::new();
     let (mut failed, mut size) = (None, None::<f64>);
     let score = |x: &DVector<f64>| -> f64 {
+        // Generations are whole to the crate; what of the last one exceeds the evaluations allowed is not computed.
+        if rows.len() >= search.evaluations {
+            return WITHOUT_VALUE;
+        }
         let inside: Vec<f64> = x.iter().map(|x| x.clamp(0.0, 1.0)).collect();
         let distance: f64 = x.iter().zip(&inside).map(|(x, i)| (x - i) * (x - i)).sum();
         let values: Vec<f64> = study.variables.iter().zip(&inside).map(|(v, place)| v.at(*place)).collect();
@@ -173,6 +178,7 @@ pub fn optimise(
     }
     let reasons: Vec<String> = ended.reasons.iter().map(ToString::to_string).collect();
     let size = size.unwrap_or(1.0);
-    let best = (0..rows.len()).min_by(|&a, &b| study.score(&rows[a], size).total_cmp(&study.score(&rows[b], size)));
+    let valued = (0..rows.len()).filter(|&at| study.score(&rows[at], size) < WITHOUT_VALUE);
+    let best = valued.min_by(|&a, &b| study.score(&rows[a], size).total_cmp(&study.score(&rows[b], size)));
     Ok(Found { rows, best, population, ended: reasons.join(", ") })
 }

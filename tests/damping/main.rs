@@ -5,13 +5,12 @@ mod sensitivities;
 mod support;
 mod time;
 
-use nalgebra::{Complex, DMatrix, SymmetricEigen};
-use std::f64::consts::TAU;
-use stiffmap::coupling::{BasisOptions, CoupledModel, couple};
+use stiffmap::coupling::{BasisOptions, couple};
 use stiffmap::frf::metrics::{direct_pairs, metrics};
 use stiffmap::frf::{FrfRequest, Quantity, Selection, modal_sum, modal_systems};
 use stiffmap::machine::{Damping, Machine, Motion, Port};
 use stiffmap::modal::modes_at;
+use support::direct::Direct;
 use support::slide::Slide;
 
 const HIGHEST: f64 = 1500.0;
@@ -58,66 +57,6 @@ fn with_sensor() -> (Machine, Slide) {
     let directions = tool.directions[..2].to_vec();
     machine.ports.insert(0, Port { name: "sensor".into(), interface, directions, input: false, output: true });
     (machine, slide)
-}
-
-/// H at a frequency (Hz), by one complex solve of all superelement coordinates.
-struct Direct<'a> {
-    machine: &'a Machine,
-    /// K without losses, and its modes.
-    stiffness: DMatrix<f64>,
-    modes: SymmetricEigen<f64, nalgebra::Dyn>,
-    /// What dissipates: loss (N/m) and damper (N s/m) matrices.
-    loss: DMatrix<f64>,
-    dampers: DMatrix<f64>,
-    outputs: DMatrix<f64>,
-    inputs: DMatrix<f64>,
-}
-
-impl<'a> Direct<'a> {
-    fn new(machine: &'a Machine, model: &CoupledModel, position: f64) -> Self {
-        let side = &model.side_by_side;
-        let n = side.n();
-        let rows = side.rows(position).expect("rows");
-        let springs = model.springs(position).expect("springs");
-        let stiffness = side.coupled_stiffness(position).expect("coupled");
-        let diagonal = |of: &dyn Fn(usize) -> f64| {
-            DMatrix::from_fn(springs.stiffness.len(), springs.stiffness.len(), |a, b| if a == b { of(a) } else { 0.0 })
-        };
-        let joints = diagonal(&|s| springs.stiffness[s] * springs.loss_factors[s]);
-        let mut loss = rows.transpose() * joints * &rows + &stiffness * machine.analysis.damping.loss_factor;
-        for (p, part) in machine.parts.iter().enumerate() {
-            let end = side.first_column.get(p + 1).copied().unwrap_or(n);
-            for k in side.first_column[p]..end {
-                loss[(k, k)] += part.loss_factor.unwrap_or(0.0) * side.eigenvalues[k];
-            }
-        }
-        let dampers = rows.transpose() * diagonal(&|s| springs.damping[s]) * &rows;
-        let ports = |list: &[stiffmap::coupling::PortRow]| {
-            DMatrix::from_rows(&list.iter().map(|p| p.row.clone()).collect::<Vec<_>>())
-        };
-        let modes = SymmetricEigen::new(stiffness.clone());
-        let (outputs, inputs) = (ports(&side.outputs), ports(&side.inputs));
-        Self { machine, stiffness, modes, loss, dampers, outputs, inputs }
-    }
-
-    fn at(&self, frequency: f64) -> DMatrix<Complex<f64>> {
-        let omega = TAU * frequency;
-        let damping = &self.machine.analysis.damping;
-        let n = self.stiffness.nrows();
-        let rate = |l: f64| {
-            let [alpha, beta] = damping.rayleigh.unwrap_or_default();
-            2.0 * damping.ratios[0] * l.max(0.0).sqrt() + alpha + beta * l
-        };
-        let mut viscous = self.dampers.clone();
-        let v = &self.modes.eigenvectors;
-        viscous += v * DMatrix::from_diagonal(&self.modes.eigenvalues.map(rate)) * v.transpose();
-        let z = DMatrix::from_fn(n, n, |a, b| {
-            let own = if a == b { omega * omega } else { 0.0 };
-            Complex::new(self.stiffness[(a, b)] - own, self.loss[(a, b)] + omega * viscous[(a, b)])
-        });
-        let forces = self.inputs.transpose().map(|x| Complex::new(x, 0.0));
-        self.outputs.map(|x| Complex::new(x, 0.0)) * z.lu().solve(&forces).expect("a damped machine")
-    }
 }
 
 /// Largest differences of a map from the direct solve: of the norm, and of the refined peaks.

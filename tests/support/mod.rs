@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub mod dense;
+pub mod direct;
 pub mod grids;
 pub mod slide;
 pub mod tets;

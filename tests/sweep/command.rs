@@ -82,6 +82,38 @@ fn a_design_that_cannot_be_has_a_row_with_its_error() {
 }
 
 #[test]
+fn a_sweep_and_a_search_in_which_no_design_is_answered_fail() {
+    let with = |lengths: &str| {
+        let variable =
+            format!("[variables.length]\npath = \"joints.screw.free_length\"\nvalues = {lengths}\n[sampling]");
+        let text = changed("[sampling]", &variable).replace("designs = 24", "designs = 4");
+        folder_with(&(text + "\n[optimise]\nobjective = \"stiffness_x\"\nevaluations = 10\n"))
+    };
+    // Both lengths are shorter than the carriage's way to the mount.
+    let folder = with("[\"100 mm\", \"200 mm\"]");
+    let failed = sweep(folder.path(), "out", &[]);
+    assert_eq!(failed.status.code(), Some(1), "{}", stderr(&failed));
+    let said = stderr(&failed);
+    assert!(said.contains("no design was answered; the first, design 0: ") && said.contains("free length"), "{said}");
+    assert!(column(&table(folder.path(), "out"), "error").iter().all(|error| !error.is_empty()));
+    let search = |folder: &TempDir| {
+        let mut command = stiffmap();
+        let arguments = ["optimise", "study.toml", "--no-figures", "--out", "search"];
+        command.current_dir(folder.path()).args(arguments).output().unwrap()
+    };
+    let failed = search(&folder);
+    assert_eq!(failed.status.code(), Some(1), "{}", stderr(&failed));
+    assert!(stderr(&failed).contains("no design was answered"), "{}", stderr(&failed));
+    assert!(!folder.path().join("search/best.toml").exists());
+    // One length that can be is enough, and evaluations are counted to the last: a generation has more.
+    let folder = with("[\"200 mm\", \"500 mm\"]");
+    done(&sweep(folder.path(), "out", &[]));
+    done(&search(&folder));
+    let log = std::fs::read_to_string(folder.path().join("search/evaluations.csv")).unwrap();
+    assert_eq!(log.lines().count(), 1 + 10);
+}
+
+#[test]
 fn usage_that_makes_no_sense_is_refused() {
     let folder = folder_with(STUDY);
     for (arguments, fragment) in [

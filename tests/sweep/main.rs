@@ -1,5 +1,6 @@
 //! Studies, samples, tables: what a sweep is made of, and the command as its user meets it.
 
+mod agreement;
 mod command;
 mod dask;
 mod free_machine;
