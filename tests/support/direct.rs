@@ -1,5 +1,7 @@
 //! H by one complex solve of all superelement coordinates: the damped equations themselves, without modes.
 
+use faer::linalg::solvers::Solve;
+use faer::{Mat, c64};
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 use std::f64::consts::TAU;
 use stiffmap::coupling::{CoupledModel, PortRow};
@@ -56,12 +58,15 @@ impl Direct {
     pub fn at(&self, frequency: f64) -> DMatrix<Complex<f64>> {
         let omega = TAU * frequency;
         let n = self.stiffness.nrows();
-        let z = DMatrix::from_fn(n, n, |a, b| {
+        let z = Mat::from_fn(n, n, |a, b| {
             let own = if a == b { omega * omega } else { 0.0 };
-            Complex::new(self.stiffness[(a, b)] - own, self.loss[(a, b)] + omega * self.viscous[(a, b)])
+            c64::new(self.stiffness[(a, b)] - own, self.loss[(a, b)] + omega * self.viscous[(a, b)])
         });
-        let forces = self.inputs.transpose().map(|x| Complex::new(x, 0.0));
-        self.outputs.map(|x| Complex::new(x, 0.0)) * z.lu().solve(&forces).expect("a damped machine")
+        let forces = Mat::from_fn(n, self.inputs.nrows(), |k, i| c64::new(self.inputs[(i, k)], 0.0));
+        let motion = z.partial_piv_lu().solve(&forces);
+        let motion =
+            DMatrix::from_fn(n, self.inputs.nrows(), |k, i| Complex::new(motion[(k, i)].re, motion[(k, i)].im));
+        self.outputs.map(|x| Complex::new(x, 0.0)) * motion
     }
 
     /// What stands still under a constant force, m/N, without damping: outputs by inputs.

@@ -13,6 +13,7 @@ mod refusals;
 mod routes;
 mod samples;
 mod shards;
+mod slopes;
 #[path = "../support/mod.rs"]
 mod support;
 mod values;
