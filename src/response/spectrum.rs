@@ -21,7 +21,7 @@
 use super::{Forces, History, Plant, ResponseError};
 use crate::frf::{ComplianceMap, Quantity};
 use crate::state_space::{DampedSum, ModeStep};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::f64::consts::{PI, TAU};
@@ -66,6 +66,17 @@ impl Signal {
         Ok(Self { samples, weights })
     }
 
+    /// Exact transform of the straight lines at any frequency (Hz), N s.
+    fn line(&self, frequency: f64, step: f64) -> Complex<f64> {
+        let theta = TAU * frequency * step;
+        let last = self.samples.iter().rposition(|s| *s != 0.0).unwrap_or(0);
+        let turn = |k: usize| Complex::new(0.0, -theta * k as f64).exp();
+        let plain: Complex<f64> = self.samples[..=last].iter().enumerate().map(|(k, s)| turn(k) * *s).sum();
+        let half = 0.5 * theta;
+        let sinc = if theta == 0.0 { 1.0 } else { half.sin() / half };
+        (plain * sinc * sinc - half_triangle(theta) * self.samples[0]) * step
+    }
+
     /// Exact transform of the straight lines at the lines of the spectrum (N s), and the plain sum h sum s_k z^-k.
     fn transforms(&self, plan: &dyn RealToComplex<f64>, step: f64) -> (Vec<Complex<f64>>, Vec<Complex<f64>>) {
         let n = self.samples.len();
@@ -74,16 +85,18 @@ impl Signal {
             let theta = TAU * k as f64 / n as f64;
             let half = 0.5 * theta;
             let sinc = if k == 0 { 1.0 } else { half.sin() / half };
-            // The triangle of the first sample has its right half only.
-            let missing = if k == 0 {
-                Complex::new(0.5, 0.0)
-            } else {
-                (Complex::new(1.0, theta) - Complex::new(0.0, theta).exp()) / (theta * theta)
-            };
-            v * sinc * sinc - missing * (step * self.samples[0])
+            v * sinc * sinc - half_triangle(theta) * (step * self.samples[0])
         });
         (exact.collect(), plain)
     }
+}
+
+/// Transform of the left half of a triangle of height and half-width one, which the first sample lacks.
+fn half_triangle(theta: f64) -> Complex<f64> {
+    if theta == 0.0 {
+        return Complex::new(0.5, 0.0);
+    }
+    (Complex::new(1.0, theta) - Complex::new(0.0, theta).exp()) / (theta * theta)
 }
 
 /// sum_k x_k e^(-j 2 pi k m / n), m = 0 .. n/2.
@@ -226,22 +239,68 @@ pub fn difference_to_modes(
     forces: &Forces,
     lowest: f64,
 ) -> Result<f64, ResponseError> {
+    Ok(compare(map, plants, forces, lowest, 0)?[0])
+}
+
+/// Images of half the rate that [`difference_less_folding`] takes on each side. What is left out falls as the fourth
+/// power of the frequency.
+const IMAGES: i32 = 4;
+
+/// The same with what the sampling folds down taken off, and the largest share that it folds.
+///
+/// The sum over a record's samples is the sum of its transform at f + m / h for all whole m (Poisson). A force shorter
+/// than some samples moves modes above half the rate, whose motion then shows at frequencies below.
+///
+/// # Errors
+/// As [`Signal::of`].
+pub fn difference_less_folding(
+    map: &ComplianceMap,
+    plants: &[Plant],
+    forces: &Forces,
+    lowest: f64,
+) -> Result<[f64; 2], ResponseError> {
+    compare(map, plants, forces, lowest, IMAGES)
+}
+
+/// Largest difference and largest share folded down, as shares of each output's peak; with images of half the rate on
+/// each side.
+fn compare(
+    map: &ComplianceMap,
+    plants: &[Plant],
+    forces: &Forces,
+    lowest: f64,
+    images: i32,
+) -> Result<[f64; 2], ResponseError> {
     let signal = Signal::of(forces)?;
+    let n_o = map.outputs.len();
     let one = |(p, plant): (usize, &Plant)| {
-        let mut largest = vec![0.0f64; map.outputs.len()];
-        let mut peak = vec![0.0f64; map.outputs.len()];
+        let [mut largest, mut peak, mut folds] = [(); 3].map(|()| vec![0.0f64; n_o]);
+        let direct = &plant.direct * DVector::from_column_slice(&signal.weights);
         for (k, &f) in map.frequencies.iter().enumerate() {
             let exact = modal_response(plant, &signal.weights, f);
-            for i in 0..map.outputs.len() {
+            let mut folded = vec![Complex::<f64>::default(); n_o];
+            for m in (-images..=images).filter(|m| *m != 0) {
+                let image = f + f64::from(m) / forces.step;
+                let share = signal.line(image, forces.step) / signal.line(f, forces.step);
+                let there = modal_response(plant, &signal.weights, image);
+                for i in 0..n_o {
+                    folded[i] += (there[i] - direct[i]) * share;
+                }
+            }
+            for i in 0..n_o {
                 peak[i] = peak[i].max(exact[i].norm());
                 if f >= lowest {
-                    largest[i] = largest[i].max((map.at(p, k, i, 0) - exact[i]).norm());
+                    largest[i] = largest[i].max((map.at(p, k, i, 0) - exact[i] - folded[i]).norm());
+                    folds[i] = folds[i].max(folded[i].norm());
                 }
             }
         }
-        largest.iter().zip(&peak).map(|(l, p)| if *p > 0.0 { l / p } else { 0.0 }).fold(0.0, f64::max)
+        let share =
+            |of: &[f64]| of.iter().zip(&peak).map(|(l, p)| if *p > 0.0 { l / p } else { 0.0 }).fold(0.0, f64::max);
+        [share(&largest), share(&folds)]
     };
-    Ok(plants.par_iter().enumerate().map(one).reduce(|| 0.0, f64::max))
+    let worse = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+    Ok(plants.par_iter().enumerate().map(one).reduce(|| [0.0; 2], worse))
 }
 
 /// The mean of `width` neighbouring magnitudes, for pictures only: it cuts a peak by up to a quarter.

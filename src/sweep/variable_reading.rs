@@ -205,7 +205,9 @@ impl Reading<'_> {
         let bound = if may_vanish { Bound::NotNegative } else { Bound::Positive };
         let value = item.quantity(if self.factor { Dimension::Ratio } else { dimension }, bound)?;
         let own = if self.factor { entry.nominal.unwrap_or(1.0) * value } else { value };
-        if let Some(allowed) = dimension.refused_range(own, matches!(bound, Bound::Positive)) {
+        // A part whose material its mesh file gives has no value here that a factor could be judged by.
+        let known = !self.factor || entry.nominal.is_some();
+        if let Some(allowed) = dimension.refused_range(own, matches!(bound, Bound::Positive)).filter(|_| known) {
             let seen = format!("{}, which makes {own:e} {}", item.seen(), dimension.units()[0]);
             return Err(item.refuse_seen(seen, allowed, "correct the value or its unit").into());
         }

@@ -4,7 +4,7 @@ use super::{mill, modes, names};
 use nalgebra::Complex;
 use stiffmap::frf::{FrfRequest, Quantity, Selection, modal_sum, modal_systems};
 use stiffmap::interrupt::Interrupt;
-use stiffmap::response::spectrum::{difference_to_modes, smoothed, spectra};
+use stiffmap::response::spectrum::{difference_less_folding, difference_to_modes, smoothed, spectra};
 use stiffmap::response::{Forces, Plant, Recording, parse_force, simulate_all};
 
 fn impulse(shape: &str, inputs: &[usize], duration: f64) -> Forces {
@@ -57,6 +57,27 @@ fn the_impulse_responses_spectrum_is_the_map_to_a_thousandth_of_the_peak() {
         let own = difference_to_modes(&found, &plants, &forces, 5.0).unwrap();
         assert!(own < 1e-3, "{own:.1e}");
     }
+}
+
+#[test]
+fn what_a_blow_of_a_microsecond_leaves_above_half_the_rate_is_known() {
+    let plants = [Plant::whole(&modes(-0.35))];
+    // The rate is so low that the mill's modes lie on both sides of its half.
+    let mut forces = Forces::none(&names(), 2.0, 4e3).unwrap();
+    forces.add(0, &parse_force("impulse,shape=rectangle,length=1e-6,amplitude=1e3").unwrap());
+    let histories = simulate_all(&plants, &forces, Recording::default(), &Interrupt::default(), &|| ()).unwrap();
+    let found = spectra(&plants, &histories, &forces, &names(), 900.0).unwrap();
+    let off = difference_to_modes(&found, &plants, &forces, 5.0).unwrap();
+    let [left, folded] = difference_less_folding(&found, &plants, &forces, 5.0).unwrap();
+    println!("{off:.2e}, less folding {left:.2e}, folded {folded:.2e}");
+    // What is left falls as the images that are left out: far below what they explain.
+    assert!(left < 1e-3 && left < 0.05 * off, "{off:.1e} {left:.1e} {folded:.1e}");
+    assert!(off > 1e-3 && (folded / off - 1.0).abs() < 0.1, "{off:.1e} {folded:.1e}");
+    // Another force's images do not explain it.
+    let mut longer = forces.clone();
+    longer.values[3] += 0.3 * longer.values[0];
+    let [control, _] = difference_less_folding(&found, &plants, &longer, 5.0).unwrap();
+    assert!(control > 50.0 * left, "{control:.1e}");
 }
 
 #[test]

@@ -41,6 +41,20 @@ fn factors_multiply_the_machines_own_values() {
 }
 
 #[test]
+fn a_factor_on_a_part_whose_mesh_gives_the_material_may_be_below_one() {
+    // 0.5 as a modulus in Pa would be refused; as a factor on what the mesh file says it halves it.
+    let study =
+        with_variable("[variables.scale]\npath = \"parts.bed.material.young\"\nfactor = true\nvalues = [0.5, 2.0]");
+    let (_, parts) = at(&study, 0.5);
+    assert_eq!([parts[0].young, parts[0].density, parts[1].young], [0.5, 1.0, 1.0]);
+    let text = changed(
+        "[sampling]",
+        "[variables.v]\npath = \"parts.carriage.material.young\"\nvalues = [0.5, 2.0]\n[sampling]",
+    );
+    assert!(read(&text).unwrap_err().to_string().contains("a modulus from"), "an absolute value is judged");
+}
+
+#[test]
 fn every_kind_of_place_can_be_varied() {
     let length = with_variable("[variables.l]\npath = \"joints.screw.free_length\"\nrange = [\"400 mm\", \"1 m\"]");
     assert!(matches!(screw(&at(&length, 0.7).0), SpringStiffness::BallScrew { free_length: Some(0.7), .. }));
