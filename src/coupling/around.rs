@@ -37,6 +37,10 @@ pub struct AroundOptions {
 impl AroundOptions {
     /// For eigenfrequencies and metrics of designs.
     pub const DESIGNS: Self = Self { band: 1.5, tolerance: 5e-3 };
+    /// The same for designs whose springs are more than [`Self::FAR`] times as stiff as the base's.
+    pub const FAR_DESIGNS: Self = Self { band: 2.0, tolerance: 1.5e-3 };
+    /// Ratio of stiffnesses up to which [`Self::DESIGNS`] keeps every metric to a thousandth.
+    pub const FAR: f64 = 10.0;
 }
 
 /// The machine at one position around a base design, for designs that change some of its springs.
@@ -147,7 +151,8 @@ impl CoupledModel {
     /// [`CouplingError::Basis`] if an eigenproblem fails.
     ///
     /// # Accuracy
-    /// Exact at the base but for the inertia that is cut above 1.5 times the frequency ([`AroundOptions::DESIGNS`]).
+    /// Exact at the base but for the inertia that is cut above 1.5 times the frequency ([`AroundOptions::DESIGNS`]), or
+    /// above twice the frequency where designs are much stiffer ([`AroundOptions::FAR_DESIGNS`]).
     pub fn around(
         &self,
         at: &AtPosition,
@@ -156,7 +161,9 @@ impl CoupledModel {
         frequency: f64,
     ) -> Result<Around, CouplingError> {
         let eigen = self.eigen(at, &self.coupled(at, base)?, base)?;
-        self.around_modes(at, base, &eigen, varied, frequency, AroundOptions::DESIGNS)
+        let far = self.stiffest > AroundOptions::FAR;
+        let options = if far { AroundOptions::FAR_DESIGNS } else { AroundOptions::DESIGNS };
+        self.around_modes(at, base, &eigen, varied, frequency, options)
     }
 
     /// The same from all modes of the base in the fixed basis, mass-normalised and ascending.

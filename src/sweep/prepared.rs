@@ -1,7 +1,7 @@
 //! What does not change from design to design: parts reduced once, positions prepared once.
 
 use super::{Design, PartScale, SweepError};
-use crate::coupling::{Around, BasisOptions, CoupledModel, couple};
+use crate::coupling::{Around, AroundOptions, BasisOptions, CoupledModel, couple};
 use crate::interrupt::Interrupt;
 use crate::linalg::{multiply, multiply_transposed};
 use crate::machine::{Joint, Machine, SpringStiffness};
@@ -111,7 +111,10 @@ fn around_all(
     varied: &[usize],
     interrupt: &Interrupt,
 ) -> Result<Vec<Around>, SweepError> {
-    let reach = if request.whole_basis { f64::INFINITY } else { reach };
+    // What a part loses in directions that are cut was 3e-3 of a real part where springs became a hundred times as stiff.
+    let lossy = machine.parts.iter().any(|part| part.loss_factor.is_some_and(|eta| eta > 0.0));
+    let whole = request.whole_basis || lossy && model.stiffest > AroundOptions::FAR;
+    let reach = if whole { f64::INFINITY } else { reach };
     let one = |&position: &f64| -> Result<Around, SweepError> {
         if interrupt.requested() {
             return Err(SweepError::Interrupted);
