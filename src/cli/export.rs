@@ -1,13 +1,16 @@
 //! `stiffmap export`: the assembled machine at a position, for another program.
 
-use super::{UsageError, at_least_one, cache_folder, machine_path, position};
+use super::{UsageError, at_least_one, begin, cache_folder, machine_path, open_folder, position, record};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use nalgebra::DMatrix;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::coupling::{Unreduced, assembled};
 use stiffmap::export::deck::{element_differences, write_deck};
+use stiffmap::export::manifest::Manifest;
 use stiffmap::export::matrix_market::{DofRow, write_dense, write_dofs, write_sets, write_sparse};
+use stiffmap::files::MANIFEST;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, Part, Region, SurfaceCoupling, read_machine};
 use stiffmap::matrix::GivenNodes;
@@ -64,7 +67,9 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         let names = || machine.parts.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
         let part = machine.parts.iter().position(|p| p.name == *name);
         let part = part.ok_or_else(|| UsageError(format!("--part: no part \"{name}\"; there are {}", names())))?;
-        write_part(out, &machine.parts[part], &files[part].mesh)?;
+        into_folder(arguments, &machine, &files, json!({ "part": name }), interrupt, |out| {
+            write_part(out, &machine.parts[part], &files[part].mesh)
+        })?;
         eprintln!("wrote {name} to {}", out.display());
         return Ok(());
     }
@@ -77,15 +82,50 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
                 eprintln!("warning: {difference}");
             }
         }
-        Format::Mtx if arguments.full => write_full(out, &machine, &files, &springs)?,
-        Format::Mtx => write_reduced(out, &machine, &files, position, interrupt)?,
+        Format::Mtx => {
+            let settings = json!({ "position_m": position, "full": arguments.full });
+            into_folder(arguments, &machine, &files, settings, interrupt, |out| match arguments.full {
+                true => write_full(out, &machine, &files, &springs),
+                false => write_reduced(out, &machine, &files, position, interrupt),
+            })?;
+        }
     }
     eprintln!("wrote {} at {} = {position} m to {}", machine.name, machine.axis.name, out.display());
     Ok(())
 }
 
+/// Writes matrices into a folder that belongs to this job meanwhile, and the manifest last: without it a folder may hold
+/// the stiffness of one machine and the mass of another.
+fn into_folder(
+    arguments: &Arguments,
+    machine: &Machine,
+    files: &[MeshFile],
+    settings: serde_json::Value,
+    interrupt: &Interrupt,
+    write: impl FnOnce(&Path) -> Result<Vec<&'static str>>,
+) -> Result<()> {
+    let out = &arguments.out;
+    let mut folder = open_folder(out, "export")?;
+    begin(&mut folder, &[], interrupt)?;
+    let written = write(out)?;
+    let named = arguments.machine.as_ref().map_or_else(|| "bundled vertical mill".into(), |p| p.display().to_string());
+    let mut manifest = Manifest {
+        name: machine.name.clone(),
+        command: "export".into(),
+        machine_file: named,
+        files: written.into_iter().chain([MANIFEST]).map(str::to_owned).collect(),
+        ..Manifest::default()
+    };
+    record::input(&mut manifest, machine, &pipeline::inputs(machine, files)?);
+    manifest.settings.push("format", json!("mtx"));
+    manifest.settings.push("exported", settings);
+    manifest.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    manifest.write(&out.join(MANIFEST))?;
+    Ok(folder.finish()?)
+}
+
 /// Stiffness, mass, degrees of freedom and the interfaces' weighted nodes of one part.
-fn write_part(out: &Path, part: &Part, mesh: &Mesh) -> Result<()> {
+fn write_part(out: &Path, part: &Part, mesh: &Mesh) -> Result<Vec<&'static str>> {
     let mut part = part.clone();
     // A rigid interface has no rows of its own nodes left; whoever reads the matrices couples it.
     part.interfaces.iter_mut().for_each(|i| i.coupling = SurfaceCoupling::Distributing);
@@ -115,11 +155,11 @@ fn write_part(out: &Path, part: &Part, mesh: &Mesh) -> Result<()> {
         Ok((interface.name.clone(), weights.iter().map(|(node, w)| (mesh.node_labels[*node], *w)).collect()))
     });
     write_sets(&out.join("sets.csv"), &sets.collect::<Result<Vec<_>, _>>()?)?;
-    Ok(())
+    Ok(vec!["stiffness.mtx", "mass.mtx", "dofs.csv", "sets.csv"])
 }
 
 /// Stiffness and mass of the unreduced machine, parts side by side; nodes are numbered through.
-fn write_full(out: &Path, machine: &Machine, files: &[MeshFile], springs: &Unreduced) -> Result<()> {
+fn write_full(out: &Path, machine: &Machine, files: &[MeshFile], springs: &Unreduced) -> Result<Vec<&'static str>> {
     let pairs = machine.parts.iter().zip(files);
     let systems = pairs.map(|(part, file)| assemble(part, &file.mesh).map_err(PipelineError::from));
     let systems = systems.collect::<Result<Vec<SecondOrder>, _>>()?;
@@ -135,7 +175,7 @@ fn write_full(out: &Path, machine: &Machine, files: &[MeshFile], springs: &Unred
     write_sparse(&out.join("stiffness.mtx"), &whole.stiffness)?;
     write_sparse(&out.join("mass.mtx"), &whole.mass)?;
     write_dofs(&out.join("dofs.csv"), &whole.rows.iter().map(number).collect::<Vec<_>>())?;
-    Ok(())
+    Ok(vec!["stiffness.mtx", "mass.mtx", "dofs.csv"])
 }
 
 /// Stiffness over the fixed basis, mass, rows of outputs and inputs, and what the basis leaves out.
@@ -145,7 +185,7 @@ fn write_reduced(
     files: &[MeshFile],
     position: f64,
     interrupt: &Interrupt,
-) -> Result<()> {
+) -> Result<Vec<&'static str>> {
     let cache = cache_folder().map(Cache::in_folder);
     let cached = pipeline::reduce_parts(machine, files, cache.as_ref(), interrupt, &|| ())?;
     let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
@@ -159,5 +199,5 @@ fn write_reduced(
     write_dense(&out.join("outputs.mtx"), &coupled.outputs)?;
     write_dense(&out.join("inputs.mtx"), &coupled.inputs)?;
     write_dense(&out.join("direct.mtx"), &coupled.direct)?;
-    Ok(())
+    Ok(vec!["stiffness.mtx", "mass.mtx", "outputs.mtx", "inputs.mtx", "direct.mtx"])
 }
