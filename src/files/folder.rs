@@ -114,6 +114,9 @@ impl ResultFolder {
         lock.read_to_string(&mut text).map_err(io(&name, "read"))?;
         let folder = Self { path: path.to_path_buf(), lock, left: files(&text), begun: false, finished: false };
         folder.check_taken(command)?;
+        let temporary =
+            |name: &&String| name.rsplit('/').next().is_some_and(|n| n.starts_with('.') && n.ends_with(".tmp"));
+        folder.left.iter().filter(temporary).try_for_each(|name| folder.remove_own(name))?;
         folder.append(&job_line(line))?;
         open_journal(path, folder.lock.try_clone().map_err(io(&name, "open"))?);
         Ok(folder)
@@ -221,8 +224,10 @@ impl ResultFolder {
 impl Drop for ResultFolder {
     fn drop(&mut self) {
         close_journal(&self.path);
-        // What an unfinished job began stays listed for the next one. Elsewhere than on Unix an open file keeps its name.
-        if cfg!(unix) && (self.finished || !self.begun && self.left.is_empty()) {
+        // What an unfinished job began stays listed for the next one, unless a manifest lists it. Elsewhere than on Unix an
+        // open file keeps its name.
+        let listed = self.left.is_empty() || self.path.join(MANIFEST).exists();
+        if cfg!(unix) && (self.finished || !self.begun && listed) {
             // A file that stays is an empty lock, which holds nobody up.
             let _ = std::fs::remove_file(self.path.join(LOCK));
         } else if self.finished {

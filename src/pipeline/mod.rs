@@ -3,23 +3,25 @@
 mod mechanism;
 mod plausibility;
 mod projection;
+mod reading;
 mod reduction_error;
 mod travel;
 
 pub use mechanism::mechanisms;
 pub use plausibility::{modal_plausibility, plausibility, study_plausibility};
 pub use projection::{PROJECTION_TOLD, ProjectionError, Simplified, acting_damping, projection_error};
+pub use reading::{inputs, read_meshes};
 pub use reduction_error::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, few_component_modes, reduction_errors};
 pub use travel::{check_travel, screw_length};
 
 use crate::coupling::{
     BasisOptions, CoupledModel, CouplingError, Unreduced, at_fixed_position, couple, reduction_requests, unreduced,
 };
-use crate::files::{InputError, Inputs};
+use crate::files::InputError;
 use crate::interrupt::Interrupt;
 use crate::linalg::LinalgError;
 use crate::machine::{Damping, Machine, SurfaceCoupling};
-use crate::mesh::{MeshError, MeshFile, inputs_of, read_part_mesh};
+use crate::mesh::{MeshError, MeshFile, inputs_of};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, Tracker, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
 use crate::solid::{SolidError, interface_motions};
@@ -71,26 +73,6 @@ impl PipelineError {
 
 /// Reports that one more of a stage's steps is done.
 pub type Step<'a> = &'a (dyn Fn() + Sync);
-
-/// Reads every part's mesh or matrices.
-///
-/// # Errors
-/// [`PipelineError::Mesh`], with file and line; [`PipelineError::Inputs`] if a file was edited between two readings.
-pub fn read_meshes(machine: &Machine) -> Result<Vec<MeshFile>, PipelineError> {
-    let meshes = machine.parts.par_iter().map(read_part_mesh).collect::<Result<Vec<MeshFile>, MeshError>>()?;
-    inputs_of(&meshes)?;
-    Ok(meshes)
-}
-
-/// Machine file and the files of all parts as they were read.
-///
-/// # Errors
-/// [`PipelineError::Inputs`] if a file was edited between two readings.
-pub fn inputs(machine: &Machine, meshes: &[MeshFile]) -> Result<Inputs, PipelineError> {
-    let mut inputs = machine.inputs.clone();
-    inputs.extend(&inputs_of(meshes)?)?;
-    Ok(inputs)
-}
 
 /// Reduces every part, parts in parallel; superelements come from the cache where there is one.
 ///
