@@ -63,13 +63,13 @@ def contents(room):
     yield Edited(room, "given/mass.mtx", texts, [light, heavy], BY_MATRICES)
 
 
-def run(room, edited):
-    """One run with an edit at a random moment; which content its result is of."""
+def run(room, edited, seconds):
+    """One run with an edit at a random moment, more often an early one; which content its result is of."""
     edited.put(0)
     for folder in ("out", "next", "cache"):
         shutil.rmtree(room.path(folder), ignore_errors=True)
     job = room.start("run", ".", "--no-figures", "--out", "out")
-    time.sleep(random.random() * 0.35)
+    time.sleep(random.random() ** 3 * seconds)
     edited.put(1)
     said = job.communicate()[1].decode()
     assert job.returncode == 0, said
@@ -123,7 +123,11 @@ def main():
                 room.done("sweep", "study.toml", "--no-figures", "--overwrite", "--out", "table")
                 tables.append(room.path("table/designs.csv").read_bytes())
             assert tables[0] != tables[1], "control: the tables differ"
-            seen = [run(room, edited) for _ in range(runs // 4)]
+            shutil.rmtree(room.path("cache"))
+            start = time.monotonic()
+            room.done("run", ".", "--no-figures", "--out", "timed")
+            seconds = time.monotonic() - start
+            seen = [run(room, edited, seconds) for _ in range(runs // 4)]
             ways = [sweep(room, edited, tables) for _ in range(sweeps // 4)]
             print(
                 f"{edited.name:22} {len(seen)} runs: {seen.count(0)} of the old file, {seen.count(1)} of the new; "
