@@ -61,7 +61,7 @@ impl Aside {
         Ok(Aside { file, name, _listed })
     }
 
-    /// The name, by which the file takes its place, and what keeps it on the list of temporaries until then.
+    /// Closes the file and gives it its place.
     ///
     /// # Errors
     /// The system's; the temporary is then removed.
