@@ -1,6 +1,6 @@
 //! `stiffmap export`: the assembled machine at a position, for another program.
 
-use super::{UsageError, at_least_one, begin, cache_folder, machine_path, open_folder, position, record};
+use super::{UsageError, at_least_one, begin, cache_folder, finish, machine_path, open_folder, position, record};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use nalgebra::DMatrix;
@@ -67,8 +67,8 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         let names = || machine.parts.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
         let part = machine.parts.iter().position(|p| p.name == *name);
         let part = part.ok_or_else(|| UsageError(format!("--part: no part \"{name}\"; there are {}", names())))?;
-        into_folder(arguments, &machine, &files, json!({ "part": name }), interrupt, |out| {
-            write_part(out, &machine.parts[part], &files[part].mesh)
+        into_folder(arguments, &machine, &files, json!({ "part": name }), interrupt, |out, begin| {
+            write_part(out, begin, &machine.parts[part], &files[part].mesh)
         })?;
         eprintln!("wrote {name} to {}", out.display());
         return Ok(());
@@ -84,15 +84,18 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         }
         Format::Mtx => {
             let settings = json!({ "position_m": position, "full": arguments.full });
-            into_folder(arguments, &machine, &files, settings, interrupt, |out| match arguments.full {
-                true => write_full(out, &machine, &files, &springs),
-                false => write_reduced(out, &machine, &files, position, interrupt),
+            into_folder(arguments, &machine, &files, settings, interrupt, |out, begin| match arguments.full {
+                true => write_full(out, begin, &machine, &files, &springs),
+                false => write_reduced(out, begin, &machine, &files, position, interrupt),
             })?;
         }
     }
     eprintln!("wrote {} at {} = {position} m to {}", machine.name, machine.axis.name, out.display());
     Ok(())
 }
+
+/// What is called before the first file is written, once all is computed: the old result then goes.
+type Begin<'a> = &'a mut dyn FnMut() -> Result<()>;
 
 /// Writes matrices into a folder that belongs to this job meanwhile, and the manifest last: without it a folder may hold
 /// the stiffness of one machine and the mass of another.
@@ -102,12 +105,11 @@ fn into_folder(
     files: &[MeshFile],
     settings: serde_json::Value,
     interrupt: &Interrupt,
-    write: impl FnOnce(&Path) -> Result<Vec<&'static str>>,
+    write: impl FnOnce(&Path, Begin<'_>) -> Result<Vec<&'static str>>,
 ) -> Result<()> {
     let out = &arguments.out;
     let mut folder = open_folder(out, "export")?;
-    begin(&mut folder, &[], interrupt)?;
-    let written = write(out)?;
+    let written = write(out, &mut || begin(&mut folder, &[], interrupt))?;
     let named = arguments.machine.as_ref().map_or_else(|| "bundled vertical mill".into(), |p| p.display().to_string());
     let mut manifest = Manifest {
         name: machine.name.clone(),
@@ -120,21 +122,17 @@ fn into_folder(
     manifest.settings.push("format", json!("mtx"));
     manifest.settings.push("exported", settings);
     manifest.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    manifest.write(&out.join(MANIFEST))?;
-    Ok(folder.finish()?)
+    finish(folder, &manifest)
 }
 
 /// Stiffness, mass, degrees of freedom and the interfaces' weighted nodes of one part.
-fn write_part(out: &Path, part: &Part, mesh: &Mesh) -> Result<Vec<&'static str>> {
+fn write_part(out: &Path, begin: Begin<'_>, part: &Part, mesh: &Mesh) -> Result<Vec<&'static str>> {
     let mut part = part.clone();
     // A rigid interface has no rows of its own nodes left; whoever reads the matrices couples it.
     part.interfaces.iter_mut().for_each(|i| i.coupling = SurfaceCoupling::Distributing);
     let system = assemble(&part, mesh).map_err(PipelineError::from)?;
-    write_sparse(&out.join("stiffness.mtx"), &system.stiffness)?;
-    write_sparse(&out.join("mass.mtx"), &system.mass)?;
     let label = |(node, direction): (usize, usize)| (mesh.node_labels[node], direction, mesh.nodes[node]);
     let rows: Vec<DofRow> = system.node_of_unknown().into_iter().map(|node| node.map(label)).collect();
-    write_dofs(&out.join("dofs.csv"), &rows)?;
     let free = |node: usize| (0..3).any(|axis| !system.unknowns_of(node, axis).is_empty());
     let surfaces = interface_motions(&part, mesh).map_err(PipelineError::from)?;
     let everywhere = Region { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
@@ -154,12 +152,23 @@ fn write_part(out: &Path, part: &Part, mesh: &Mesh) -> Result<Vec<&'static str>>
         }
         Ok((interface.name.clone(), weights.iter().map(|(node, w)| (mesh.node_labels[*node], *w)).collect()))
     });
-    write_sets(&out.join("sets.csv"), &sets.collect::<Result<Vec<_>, _>>()?)?;
+    let sets = sets.collect::<Result<Vec<_>, _>>()?;
+    begin()?;
+    write_sparse(&out.join("stiffness.mtx"), &system.stiffness)?;
+    write_sparse(&out.join("mass.mtx"), &system.mass)?;
+    write_dofs(&out.join("dofs.csv"), &rows)?;
+    write_sets(&out.join("sets.csv"), &sets)?;
     Ok(vec!["stiffness.mtx", "mass.mtx", "dofs.csv", "sets.csv"])
 }
 
 /// Stiffness and mass of the unreduced machine, parts side by side; nodes are numbered through.
-fn write_full(out: &Path, machine: &Machine, files: &[MeshFile], springs: &Unreduced) -> Result<Vec<&'static str>> {
+fn write_full(
+    out: &Path,
+    begin: Begin<'_>,
+    machine: &Machine,
+    files: &[MeshFile],
+    springs: &Unreduced,
+) -> Result<Vec<&'static str>> {
     let pairs = machine.parts.iter().zip(files);
     let systems = pairs.map(|(part, file)| assemble(part, &file.mesh).map_err(PipelineError::from));
     let systems = systems.collect::<Result<Vec<SecondOrder>, _>>()?;
@@ -172,6 +181,7 @@ fn write_full(out: &Path, machine: &Machine, files: &[MeshFile], springs: &Unred
     let number = |row: &stiffmap::coupling::AssembledRow| {
         row.node.map(|(node, direction)| (first[row.part] + node as u64, direction, row.at))
     };
+    begin()?;
     write_sparse(&out.join("stiffness.mtx"), &whole.stiffness)?;
     write_sparse(&out.join("mass.mtx"), &whole.mass)?;
     write_dofs(&out.join("dofs.csv"), &whole.rows.iter().map(number).collect::<Vec<_>>())?;
@@ -181,6 +191,7 @@ fn write_full(out: &Path, machine: &Machine, files: &[MeshFile], springs: &Unred
 /// Stiffness over the fixed basis, mass, rows of outputs and inputs, and what the basis leaves out.
 fn write_reduced(
     out: &Path,
+    begin: Begin<'_>,
     machine: &Machine,
     files: &[MeshFile],
     position: f64,
@@ -194,6 +205,7 @@ fn write_reduced(
     let stiffness = model.stiffness(position).map_err(PipelineError::from)?;
     let at = model.at(position).map_err(PipelineError::from)?;
     let coupled = model.coupled(&at, &stiffness).map_err(PipelineError::from)?;
+    begin()?;
     write_dense(&out.join("stiffness.mtx"), &model.stiffness_matrix(&coupled))?;
     write_dense(&out.join("mass.mtx"), &DMatrix::identity(model.n(), model.n()))?;
     write_dense(&out.join("outputs.mtx"), &coupled.outputs)?;

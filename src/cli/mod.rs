@@ -38,8 +38,9 @@ use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use stiffmap::coupling::CouplingError;
 use stiffmap::export::ExportError;
+use stiffmap::export::manifest::Manifest;
 use stiffmap::figures::report::ReportError;
-use stiffmap::files::{FolderError, ResultFolder};
+use stiffmap::files::{FolderError, MANIFEST, ResultFolder};
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
 use stiffmap::interrupt::Interrupt;
@@ -188,6 +189,13 @@ fn begin(folder: &mut ResultFolder, keep: &[&str], interrupt: &Interrupt) -> Res
         return Err(PipelineError::Interrupted.into());
     }
     Ok(folder.begin(keep)?)
+}
+
+/// Puts the files that a manifest lists on the disk, writes it as the last, and gives the folder back.
+fn finish(folder: ResultFolder, manifest: &Manifest) -> Result<()> {
+    folder.sync(&manifest.files)?;
+    manifest.write(&folder.path().join(MANIFEST))?;
+    Ok(folder.finish()?)
 }
 
 /// The position asked for, or the first of the travel.

@@ -7,7 +7,7 @@ use super::run::{relative, slug};
 use super::sweep::{begin_record, refuse_other};
 use super::sweep_figures::{Best, draw_best};
 use super::sweep_progress::Rate;
-use super::{UsageError, begin, open_folder};
+use super::{UsageError, begin, finish, open_folder};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
@@ -68,7 +68,7 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     };
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(slug(&study.name) + "_optimum"));
     let mut folder = open_folder(&out, "optimise")?;
-    let (log, manifest_file) = (out.join(LOG), out.join("manifest.json"));
+    let log = out.join(LOG);
     let before = Record::read(&out)?;
     let read = read(&study, &mut progress)?;
     let inputs = read.inputs.clone();
@@ -150,8 +150,7 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     files.push("manifest.json".into());
     manifest.files = files;
     manifest.warnings.extend(record::edited(&inputs));
-    manifest.write(&manifest_file)?;
-    folder.finish()?;
+    finish(folder, &manifest)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
         return Ok(());

@@ -6,7 +6,7 @@ use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{Look, write_report};
 use super::states::StateArguments;
-use super::{UsageError, begin, cache_folder, frequencies, machine_path, open_folder, record, summary};
+use super::{UsageError, begin, cache_folder, finish, frequencies, machine_path, open_folder, record, summary};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
@@ -242,7 +242,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let look = Look { systems: &systems, model: &model, superelements: &superelements };
     begin(&mut folder, &[], interrupt)?;
     write(&outcome, &look, states, arguments, &mut progress, &mut manifest, interrupt)?;
-    folder.finish()?;
+    finish(folder, &manifest)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {
@@ -276,7 +276,7 @@ fn undamped_in_band(request: &FrfRequest<'_>) -> Option<f64> {
     request.systems.iter().find_map(of_system).map(|(f, _)| f)
 }
 
-/// Writes every file, the manifest last.
+/// Writes every file but the manifest, which lists them.
 fn write(
     outcome: &Outcome,
     look: &Look<'_>,
@@ -327,7 +327,6 @@ fn write(
     files.push("manifest.json".into());
     manifest.files = files;
     record::seconds(manifest, progress);
-    manifest.write(&out.join("manifest.json"))?;
     Ok(())
 }
 

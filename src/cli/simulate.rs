@@ -5,7 +5,7 @@ use super::progress::Progress;
 use super::run::{figure, mesh_warnings, slug};
 use super::simulate_files::{self, Found, Outcome};
 use super::simulate_forces::sample;
-use super::{UsageError, begin, cache_folder, machine_path, open_folder, record};
+use super::{UsageError, begin, cache_folder, finish, machine_path, open_folder, record};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
@@ -149,7 +149,7 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let outcome = Outcome { machine: &machine, outputs: model.output_names(), forces: &forces, result, out };
     begin(&mut folder, &[], interrupt)?;
     simulate_files::write(&outcome, arguments, &mut progress, &mut manifest, interrupt)?;
-    folder.finish()?;
+    finish(folder, &manifest)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {

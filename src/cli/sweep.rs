@@ -155,8 +155,7 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         superelements: &reduced.superelements,
         out: &out,
     };
-    write_results(&finished, arguments, manifest, &mut progress, interrupt)?;
-    Ok(folder.finish()?)
+    write_results(&finished, folder, arguments, manifest, &mut progress, interrupt)
 }
 
 fn begin_manifest(study: &Study, record: &Record, reduced: &Reduced) -> Manifest {
@@ -240,8 +239,7 @@ fn join(
     manifest.counts.push("shards_joined", arguments.merge.len() as u64);
     let superelements = &reduced.superelements;
     let finished = Finished { study, rows: &rows, whole: true, evaluator: evaluator.as_deref(), superelements, out };
-    write_results(&finished, arguments, manifest, &mut progress, interrupt)?;
-    Ok(folder.finish()?)
+    write_results(&finished, folder, arguments, manifest, &mut progress, interrupt)
 }
 
 fn same_folder(a: &Path, b: &Path) -> bool {

@@ -4,14 +4,15 @@
 //!    that ends. A second job is told at once who holds it. Nothing of an earlier result is touched yet.
 //! 2. [`ResultFolder::begin`], before the first file takes its place: the old manifest goes first, then the files that it
 //!    lists and those that killed jobs left. Only files that this program wrote are removed.
-//! 3. The job writes its files, its manifest last.
+//! 3. The job writes its files, [`ResultFolder::sync`] puts them on the disk, and the manifest comes last.
 //! 4. [`ResultFolder::finish`] puts the manifest on the disk and gives the folder back.
 //!
 //! The lock is the file `.stiffmap.lock`, which also lists what the job has begun to write. It is there while a job
 //! runs, and after one that did not finish.
 
-use super::aside::{close_journal, open_journal};
+use super::aside::{close_journal, folder_of, open_journal};
 use super::holder::{file_lines, files, holder, job_line};
+use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Component, Path, PathBuf};
@@ -196,13 +197,28 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Puts files of the folder on the disk, so that after a power cut too a manifest stands for whole files.
+    ///
+    /// # Errors
+    /// [`FolderError::Io`].
+    pub fn sync(&self, files: &[String]) -> Result<(), FolderError> {
+        let mut folders = BTreeSet::from([self.path.clone()]);
+        for file in files.iter().map(|name| self.path.join(name)).filter(|file| file.is_file()) {
+            // Elsewhere than on Unix a file must be open for writing to be forced to the disk.
+            let open = OpenOptions::new().read(true).write(!cfg!(unix)).open(&file).map_err(io(&file, "open"))?;
+            open.sync_data().map_err(io(&file, "write"))?;
+            folders.insert(folder_of(&file).to_path_buf());
+        }
+        folders.iter().try_for_each(|folder| sync_folder(folder))
+    }
+
     /// Puts the manifest, which the job has written, on the disk and gives the folder back.
     ///
     /// # Errors
     /// [`FolderError::Io`].
     pub fn finish(mut self) -> Result<(), FolderError> {
         let manifest = self.path.join(MANIFEST);
-        let file = File::open(&manifest).map_err(io(&manifest, "open"))?;
+        let file = OpenOptions::new().read(true).write(!cfg!(unix)).open(&manifest).map_err(io(&manifest, "open"))?;
         file.sync_all().map_err(io(&manifest, "write"))?;
         sync_folder(&self.path)?;
         self.finished = true;

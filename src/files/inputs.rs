@@ -79,7 +79,9 @@ impl Inputs {
         if before.is_file() && (Stamp::of(&before) != after || bytes.len() as u64 != after.length) {
             return Err(std::io::Error::other("it is being written to; run again once it is whole"));
         }
-        self.push(path, &bytes, Some(after)).map_err(std::io::Error::other)?;
+        // A pipe has no state to come back to.
+        let stamp = before.is_file().then_some(after);
+        self.push(path, &bytes, stamp).map_err(std::io::Error::other)?;
         Ok(bytes)
     }
 

@@ -46,7 +46,7 @@ fn a_file_edited_after_it_was_read_is_not_kept_under_its_new_hash() {
 fn every_file_is_recorded_by_its_path() {
     let room = Room::new();
     room.write("rest.csv", "time_s,position_m\n0,0.05\n0.05,0.1\n");
-    room.write("push.csv", "time_s,tool.x\n0,0\n0.01,10\n0.02,0\n");
+    room.write("push.csv", "time_s,x\n0,0\n0.01,10\n0.02,0\n");
     let simulate = ["simulate", ".", "--no-figures", "--path-file", "rest.csv", "--force-file", "push.csv"];
     room.done(&[&QUICK[..], &["--out", "out"]].concat());
     room.done(&["sweep", "study.toml", "--no-figures", "--out", "swept"]);
