@@ -180,7 +180,10 @@ pub fn describe(error: &anyhow::Error) -> String {
 /// Locks the result folder of a command; a job that writes it already is told with what is known of it.
 fn open_folder(out: &Path, command: &str) -> Result<ResultFolder> {
     let words: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-    Ok(ResultFolder::open(out, command, &format!("stiffmap {}", words.join(" ")))?)
+    match ResultFolder::open(out, command, &format!("stiffmap {}", words.join(" "))) {
+        Err(error @ FolderError::Io { .. }) => Err(anyhow::Error::from(error).context("the result folder (--out)")),
+        opened => Ok(opened?),
+    }
 }
 
 /// Takes the old result away but for the files to keep, unless someone asked to stop.

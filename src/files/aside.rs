@@ -49,15 +49,14 @@ impl Aside {
         let prefix = format!(".{name}.");
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).suffix(".tmp");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(std::fs::Permissions::from_mode(0o666)); // less the umask
-        }
-        let (file, name) = builder.tempfile_in(folder_of(path))?.into_parts();
+        // Noted before it is there, so that no kill leaves one that nobody knows.
+        let create = |name: &Path| {
+            note(name)?;
+            File::options().read(true).write(true).create_new(true).open(name)
+        };
+        let (file, name) = builder.make_in(folder_of(path), create)?.into_parts();
         lock(&LIVE).insert(name.to_path_buf());
         let _listed = Listed(name.to_path_buf());
-        note(&name)?;
         Ok(Aside { file, name, _listed })
     }
 
