@@ -51,7 +51,8 @@ impl Aside {
         builder.prefix(&prefix).suffix(".tmp");
         // Noted before it is there, so that no kill leaves one that nobody knows.
         let create = |name: &Path| {
-            note(name)?;
+            // By the path that the folder was opened under; `name` is absolute.
+            note(&folder_of(path).join(name.file_name().unwrap_or_default()))?;
             File::options().read(true).write(true).create_new(true).open(name)
         };
         let (file, name) = builder.make_in(folder_of(path), create)?.into_parts();
