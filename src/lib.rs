@@ -24,6 +24,8 @@
 
 pub mod interrupt;
 
+pub mod files;
+
 pub mod machine;
 
 pub mod linalg;

@@ -20,10 +20,11 @@ impl Room {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let mut part = part("post", &["ZMIN"], vec![on("ZMAX")]);
         part.mesh = folder.path().join("post.inp");
-        std::fs::write(&part.mesh, "the bytes of the mesh").expect("writes");
         let request = ReductionRequest { part, component: craig_bampton(4), reach: 0.0, rails: Vec::new() };
         let cache = Cache::in_folder(folder.path().join("cache"));
-        Self { cache, request, mesh: box_mesh([0.0; 3], [0.1, 0.1, 0.3], [1, 1, 2]), folder }
+        let mut mesh = box_mesh([0.0; 3], [0.1, 0.1, 0.3], [1, 1, 2]);
+        mesh.inputs.add(&request.part.mesh, b"the bytes of the mesh").expect("one content");
+        Self { cache, request, mesh, folder }
     }
 
     fn reduce(&self) -> Cached {
@@ -31,7 +32,7 @@ impl Room {
     }
 
     fn file(&self) -> PathBuf {
-        self.cache.file(&self.request).expect("the mesh can be read")
+        self.cache.file(&self.request, &self.mesh).expect("a mesh with its files")
     }
 }
 
@@ -88,7 +89,7 @@ fn the_key_depends_on_all_that_the_superelement_depends_on_and_on_nothing_else()
     let mut changed = |what: &str, change: &dyn Fn(&mut ReductionRequest)| {
         let mut request = room.request.clone();
         change(&mut request);
-        let name = room.cache.file(&request).expect("the mesh can be read");
+        let name = room.cache.file(&request, &room.mesh).expect("a mesh with its files");
         assert!(!names.contains(&name), "{what}");
         names.push(name);
     };
@@ -107,23 +108,31 @@ fn the_key_depends_on_all_that_the_superelement_depends_on_and_on_nothing_else()
     changed("the unit of the mesh", &|r| r.part.mesh_units.length = 1e-3);
     let mut loss = room.request.clone();
     loss.part.loss_factor = Some(0.01);
-    assert_eq!(room.cache.file(&loss).expect("reads"), original, "a loss factor does not touch the superelement");
-
-    let elsewhere = room.folder.path().join("moved");
-    std::fs::create_dir(&elsewhere).expect("folder");
-    let copy = elsewhere.join("post.inp");
-    let named = |path: &Path, bytes: &str| {
-        std::fs::write(path, bytes).expect("writes");
-        let mut request = room.request.clone();
-        request.part.mesh = path.to_path_buf();
-        room.cache.file(&request).expect("reads").file_name().map(|n| n.to_owned())
-    };
     assert_eq!(
-        named(&copy, "the bytes of the mesh"),
-        original.file_name().map(|n| n.to_owned()),
-        "wherever the mesh lies"
+        room.cache.file(&loss, &room.mesh).expect("a mesh with its files"),
+        original,
+        "a loss factor does not touch the superelement"
     );
-    assert_ne!(named(&copy, "the bytes of the Mesh"), original.file_name().map(|n| n.to_owned()), "a byte of the mesh");
+
+    let of = |files: &[(&str, &[u8])]| {
+        let mut mesh = Mesh::default();
+        files.iter().for_each(|(name, bytes)| mesh.inputs.add(Path::new(name), bytes).expect("one content"));
+        room.cache.file(&room.request, &mesh)
+    };
+    let bytes: &[u8] = b"the bytes of the mesh";
+    assert_eq!(of(&[("elsewhere/moved.inp", bytes)]).as_ref(), Some(&original), "wherever the mesh lies");
+    let others: [&[(&str, &[u8])]; 4] = [
+        &[("post.inp", b"the bytes of the Mesh")],
+        &[("post.msh", bytes)],
+        &[("post.inp", bytes), ("nodes.inp", b"1, 0, 0, 0")],
+        &[("post.inp", bytes), ("nodes.inp", b"1, 0, 0, 1")],
+    ];
+    let mut found: Vec<_> = others.iter().map(|files| of(files).expect("a mesh with its files")).collect();
+    found.push(original);
+    found.sort();
+    found.dedup();
+    assert_eq!(found.len(), 5, "a byte of the mesh, its format, a file that it includes and a byte of that");
+    assert_eq!(of(&[]), None, "a mesh of which nothing is known has no place");
 }
 
 #[test]

@@ -5,9 +5,11 @@ use super::run::mesh_warnings;
 use super::{UsageError, cache_folder};
 use anyhow::Result;
 use clap::ValueEnum;
+use stiffmap::files::Inputs;
 use stiffmap::gpu::{Backend, Precision};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::Machine;
+use stiffmap::mesh::{MeshFile, inputs_of};
 use stiffmap::pipeline;
 use stiffmap::reduction::{Cache, Superelement};
 use stiffmap::sweep::{
@@ -32,10 +34,29 @@ pub struct Reduced {
     pub parts_from_cache: usize,
 }
 
+/// The parts of a study's machine as their files have them, and all files that were read: study, machine, parts.
+pub struct Read {
+    meshes: Vec<MeshFile>,
+    pub inputs: Inputs,
+}
+
+/// Reads the parts of a study's machine.
+pub fn read(study: &Study, progress: &mut Progress) -> Result<Read> {
+    let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(&study.machine))?;
+    let mut inputs = study.inputs.clone();
+    inputs.extend(&inputs_of(&meshes)?)?;
+    Ok(Read { meshes, inputs })
+}
+
 /// Reduces the parts of a study's machine.
-pub fn reduce(study: &Study, no_cache: bool, progress: &mut Progress, interrupt: &Interrupt) -> Result<Reduced> {
-    let machine = &study.machine;
-    let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(machine))?;
+pub fn reduce(
+    study: &Study,
+    read: Read,
+    no_cache: bool,
+    progress: &mut Progress,
+    interrupt: &Interrupt,
+) -> Result<Reduced> {
+    let (machine, meshes) = (&study.machine, read.meshes);
     let mut warnings = pipeline::study_plausibility(machine, &study.probes(), &meshes);
     progress.warn(&warnings);
     warnings.extend(mesh_warnings(machine, &meshes));

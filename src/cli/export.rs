@@ -1,13 +1,16 @@
 //! `stiffmap export`: the assembled machine at a position, for another program.
 
-use super::{UsageError, at_least_one, cache_folder, machine_path, position};
+use super::{UsageError, at_least_one, begin, cache_folder, finish, machine_path, open_folder, position, record};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use nalgebra::DMatrix;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::coupling::{Unreduced, assembled};
 use stiffmap::export::deck::{element_differences, write_deck};
+use stiffmap::export::manifest::Manifest;
 use stiffmap::export::matrix_market::{DofRow, write_dense, write_dofs, write_sets, write_sparse};
+use stiffmap::files::MANIFEST;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, Part, Region, SurfaceCoupling, read_machine};
 use stiffmap::matrix::GivenNodes;
@@ -64,7 +67,9 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         let names = || machine.parts.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
         let part = machine.parts.iter().position(|p| p.name == *name);
         let part = part.ok_or_else(|| UsageError(format!("--part: no part \"{name}\"; there are {}", names())))?;
-        write_part(out, &machine.parts[part], &files[part].mesh)?;
+        into_folder(arguments, &machine, &files, json!({ "part": name }), interrupt, |out, begin| {
+            write_part(out, begin, &machine.parts[part], &files[part].mesh)
+        })?;
         eprintln!("wrote {name} to {}", out.display());
         return Ok(());
     }
@@ -77,24 +82,57 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
                 eprintln!("warning: {difference}");
             }
         }
-        Format::Mtx if arguments.full => write_full(out, &machine, &files, &springs)?,
-        Format::Mtx => write_reduced(out, &machine, &files, position, interrupt)?,
+        Format::Mtx => {
+            let settings = json!({ "position_m": position, "full": arguments.full });
+            into_folder(arguments, &machine, &files, settings, interrupt, |out, begin| match arguments.full {
+                true => write_full(out, begin, &machine, &files, &springs),
+                false => write_reduced(out, begin, &machine, &files, position, interrupt),
+            })?;
+        }
     }
     eprintln!("wrote {} at {} = {position} m to {}", machine.name, machine.axis.name, out.display());
     Ok(())
 }
 
+/// What is called before the first file is written, once all is computed: the old result then goes.
+type Begin<'a> = &'a mut dyn FnMut() -> Result<()>;
+
+/// Writes matrices into a folder that belongs to this job meanwhile, and the manifest last: without it a folder may hold
+/// the stiffness of one machine and the mass of another.
+fn into_folder(
+    arguments: &Arguments,
+    machine: &Machine,
+    files: &[MeshFile],
+    settings: serde_json::Value,
+    interrupt: &Interrupt,
+    write: impl FnOnce(&Path, Begin<'_>) -> Result<Vec<&'static str>>,
+) -> Result<()> {
+    let out = &arguments.out;
+    let mut folder = open_folder(out, "export")?;
+    let written = write(out, &mut || begin(&mut folder, &[], interrupt))?;
+    let named = arguments.machine.as_ref().map_or_else(|| "bundled vertical mill".into(), |p| p.display().to_string());
+    let mut manifest = Manifest {
+        name: machine.name.clone(),
+        command: "export".into(),
+        machine_file: named,
+        files: written.into_iter().chain([MANIFEST]).map(str::to_owned).collect(),
+        ..Manifest::default()
+    };
+    record::input(&mut manifest, machine, &pipeline::inputs(machine, files)?);
+    manifest.settings.push("format", json!("mtx"));
+    manifest.settings.push("exported", settings);
+    manifest.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    finish(folder, &manifest)
+}
+
 /// Stiffness, mass, degrees of freedom and the interfaces' weighted nodes of one part.
-fn write_part(out: &Path, part: &Part, mesh: &Mesh) -> Result<()> {
+fn write_part(out: &Path, begin: Begin<'_>, part: &Part, mesh: &Mesh) -> Result<Vec<&'static str>> {
     let mut part = part.clone();
     // A rigid interface has no rows of its own nodes left; whoever reads the matrices couples it.
     part.interfaces.iter_mut().for_each(|i| i.coupling = SurfaceCoupling::Distributing);
     let system = assemble(&part, mesh).map_err(PipelineError::from)?;
-    write_sparse(&out.join("stiffness.mtx"), &system.stiffness)?;
-    write_sparse(&out.join("mass.mtx"), &system.mass)?;
     let label = |(node, direction): (usize, usize)| (mesh.node_labels[node], direction, mesh.nodes[node]);
     let rows: Vec<DofRow> = system.node_of_unknown().into_iter().map(|node| node.map(label)).collect();
-    write_dofs(&out.join("dofs.csv"), &rows)?;
     let free = |node: usize| (0..3).any(|axis| !system.unknowns_of(node, axis).is_empty());
     let surfaces = interface_motions(&part, mesh).map_err(PipelineError::from)?;
     let everywhere = Region { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
@@ -114,12 +152,23 @@ fn write_part(out: &Path, part: &Part, mesh: &Mesh) -> Result<()> {
         }
         Ok((interface.name.clone(), weights.iter().map(|(node, w)| (mesh.node_labels[*node], *w)).collect()))
     });
-    write_sets(&out.join("sets.csv"), &sets.collect::<Result<Vec<_>, _>>()?)?;
-    Ok(())
+    let sets = sets.collect::<Result<Vec<_>, _>>()?;
+    begin()?;
+    write_sparse(&out.join("stiffness.mtx"), &system.stiffness)?;
+    write_sparse(&out.join("mass.mtx"), &system.mass)?;
+    write_dofs(&out.join("dofs.csv"), &rows)?;
+    write_sets(&out.join("sets.csv"), &sets)?;
+    Ok(vec!["stiffness.mtx", "mass.mtx", "dofs.csv", "sets.csv"])
 }
 
 /// Stiffness and mass of the unreduced machine, parts side by side; nodes are numbered through.
-fn write_full(out: &Path, machine: &Machine, files: &[MeshFile], springs: &Unreduced) -> Result<()> {
+fn write_full(
+    out: &Path,
+    begin: Begin<'_>,
+    machine: &Machine,
+    files: &[MeshFile],
+    springs: &Unreduced,
+) -> Result<Vec<&'static str>> {
     let pairs = machine.parts.iter().zip(files);
     let systems = pairs.map(|(part, file)| assemble(part, &file.mesh).map_err(PipelineError::from));
     let systems = systems.collect::<Result<Vec<SecondOrder>, _>>()?;
@@ -132,20 +181,22 @@ fn write_full(out: &Path, machine: &Machine, files: &[MeshFile], springs: &Unred
     let number = |row: &stiffmap::coupling::AssembledRow| {
         row.node.map(|(node, direction)| (first[row.part] + node as u64, direction, row.at))
     };
+    begin()?;
     write_sparse(&out.join("stiffness.mtx"), &whole.stiffness)?;
     write_sparse(&out.join("mass.mtx"), &whole.mass)?;
     write_dofs(&out.join("dofs.csv"), &whole.rows.iter().map(number).collect::<Vec<_>>())?;
-    Ok(())
+    Ok(vec!["stiffness.mtx", "mass.mtx", "dofs.csv"])
 }
 
 /// Stiffness over the fixed basis, mass, rows of outputs and inputs, and what the basis leaves out.
 fn write_reduced(
     out: &Path,
+    begin: Begin<'_>,
     machine: &Machine,
     files: &[MeshFile],
     position: f64,
     interrupt: &Interrupt,
-) -> Result<()> {
+) -> Result<Vec<&'static str>> {
     let cache = cache_folder().map(Cache::in_folder);
     let cached = pipeline::reduce_parts(machine, files, cache.as_ref(), interrupt, &|| ())?;
     let superelements: Vec<Superelement> = cached.into_iter().map(|c| c.superelement).collect();
@@ -154,10 +205,11 @@ fn write_reduced(
     let stiffness = model.stiffness(position).map_err(PipelineError::from)?;
     let at = model.at(position).map_err(PipelineError::from)?;
     let coupled = model.coupled(&at, &stiffness).map_err(PipelineError::from)?;
+    begin()?;
     write_dense(&out.join("stiffness.mtx"), &model.stiffness_matrix(&coupled))?;
     write_dense(&out.join("mass.mtx"), &DMatrix::identity(model.n(), model.n()))?;
     write_dense(&out.join("outputs.mtx"), &coupled.outputs)?;
     write_dense(&out.join("inputs.mtx"), &coupled.inputs)?;
     write_dense(&out.join("direct.mtx"), &coupled.direct)?;
-    Ok(())
+    Ok(vec!["stiffness.mtx", "mass.mtx", "outputs.mtx", "inputs.mtx", "direct.mtx"])
 }

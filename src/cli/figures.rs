@@ -6,14 +6,16 @@ use std::path::{Path, PathBuf};
 use stiffmap::export::{response, vts};
 use stiffmap::figures::report::{DATABASE_FILE, Database, PAGE_FILE, write_page};
 use stiffmap::figures::{FigureInput, HeightScale, ImpulseInput, draw_all, draw_impulse};
+use stiffmap::files::{MANIFEST, ResultFolder};
 use stiffmap::frf::{ComplianceMap, ModalSystem, modal_sum};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::modal::ModeFamilies;
 use stiffmap::pipeline::PipelineError;
 
-use super::UsageError;
 use super::map::Axes;
 use super::pictures::picture_map;
+use super::report::DATABASE_HASH;
+use super::{UsageError, open_folder};
 
 /// A map larger than this is thinned for ParaView as for pictures, bytes.
 const LARGEST_SURFACES: u64 = 512 << 20;
@@ -117,7 +119,8 @@ pub fn figures(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         ))
         .into());
     }
-    let database = Database::read(&file)?;
+    let _folder = open_folder(out, "run")?;
+    let (database, hash) = Database::read(&file)?;
     let damaged = || UsageError(format!("{}: an array is missing or too short; run again", file.display()));
     let (positions, frequencies) = database.axes().ok_or_else(damaged)?;
     let (systems, families) = (database.systems().ok_or_else(damaged)?, database.families().ok_or_else(damaged)?);
@@ -132,15 +135,10 @@ pub fn figures(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         families: &families,
         height: if arguments.logarithmic { HeightScale::Logarithmic } else { HeightScale::Linear },
     };
+    let record = own_manifest(out, &hash)?;
     let mut files = shown.draw(out, interrupt)?;
     files.extend(shown.write_surfaces(out, None, interrupt)?);
     go_on(interrupt)?;
-    let manifest = out.join("manifest.json");
-    let record = std::fs::read_to_string(&manifest)
-        .map_err(|e| UsageError(format!("{}: {e}; the page says what was run from it", manifest.display())))?;
-    // What is embedded is JSON, whatever the file holds.
-    let record: serde_json::Value =
-        serde_json::from_str(&record).map_err(|e| UsageError(format!("{}: {e}", manifest.display())))?;
     let page = out.join(PAGE_FILE);
     write_page(&page, &database, &record.to_string())?;
     files.push(page);
@@ -148,4 +146,27 @@ pub fn figures(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         eprintln!("{}", file.display());
     }
     Ok(())
+}
+
+/// The manifest of a folder, which must be that of its database: by its hash, so that a database of another run, or of
+/// another machine, is not drawn under this one's name.
+fn own_manifest(out: &Path, hash: &str) -> Result<serde_json::Value> {
+    ResultFolder::check_finished(out, "run again")?;
+    let path = out.join(MANIFEST);
+    let text = std::fs::read_to_string(&path)
+        .map_err(|e| UsageError(format!("{}: {e}; the page says what was run from it", path.display())))?;
+    // What is embedded is JSON, whatever the file holds.
+    let record: serde_json::Value =
+        serde_json::from_str(&text).map_err(|e| UsageError(format!("{}: {e}", path.display())))?;
+    let expected = record["settings"][DATABASE_HASH].as_str();
+    if expected != Some(hash) {
+        return Err(UsageError(format!(
+            "{}: its hash is {hash}, and {} names {}: it is the database of another run; run again",
+            out.join(DATABASE_FILE).display(),
+            path.display(),
+            expected.unwrap_or("none")
+        ))
+        .into());
+    }
+    Ok(record)
 }

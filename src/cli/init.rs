@@ -22,7 +22,8 @@ pub fn init(arguments: &Arguments) -> Result<()> {
         }
     }
     std::fs::create_dir_all(dir).map_err(|error| UsageError(format!("{}: {error}", dir.display())))?;
-    for (name, content) in bundled_vertical_mill() {
+    // The machine file last: a folder without it is no machine.
+    for (name, content) in bundled_vertical_mill().iter().rev() {
         write_bytes(&dir.join(name), content.as_bytes())?;
     }
     eprintln!("wrote the vertical mill to {}; run it with `stiffmap run {}`", dir.display(), dir.display());

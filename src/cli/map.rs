@@ -4,6 +4,7 @@ use anyhow::Result;
 use std::path::Path;
 use stiffmap::export::stream::{MAP_FILE, MapStream, Streamed};
 use stiffmap::export::{mat, surface};
+use stiffmap::files::ResultFolder;
 use stiffmap::frf::metrics::{PairMetrics, direct_pairs, metrics, refine};
 use stiffmap::frf::{ComplianceMap, FrfRequest, ModalSystem, Quantity, Tile};
 use stiffmap::gpu::{BackendOptions, BackendReport, compute, compute_tiles};
@@ -83,12 +84,12 @@ impl Map {
     }
 }
 
-/// Computes the map: in memory up to `limit` bytes, into files in `folder` tile by tile above.
+/// Computes the map: in memory, or tile by tile into files in `folder`, from which the old result then goes.
 pub fn compute_map(
     request: &FrfRequest,
     options: &BackendOptions,
     streams: bool,
-    folder: &Path,
+    folder: &mut ResultFolder,
     interrupt: &Interrupt,
     step: Step<'_>,
 ) -> Result<(Map, BackendReport)> {
@@ -97,7 +98,7 @@ pub fn compute_map(
         request.positions.iter().for_each(|_| step());
         return Ok((Map::Whole(map), report));
     }
-    let mut stream = MapStream::create(folder, request, &direct_pairs(request))?;
+    let mut stream = MapStream::create(folder.path(), request, &direct_pairs(request))?;
     let mut failed: Option<anyhow::Error> = None;
     let mut sink = |tile: Tile<'_>| {
         let taken = if interrupt.requested() {
@@ -120,6 +121,7 @@ pub fn compute_map(
         Some(error) => Err(error),
         None => {
             let report = report?;
+            super::begin(folder, &[], interrupt)?;
             Ok((Map::Streamed(stream.commit()?), report))
         }
     }

@@ -38,7 +38,9 @@ use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use stiffmap::coupling::CouplingError;
 use stiffmap::export::ExportError;
+use stiffmap::export::manifest::Manifest;
 use stiffmap::figures::report::ReportError;
+use stiffmap::files::{FolderError, MANIFEST, ResultFolder};
 use stiffmap::frf::FrfError;
 use stiffmap::gpu::GpuError;
 use stiffmap::interrupt::Interrupt;
@@ -138,6 +140,7 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
         || error.is::<MachineError>()
         || error.is::<MeshError>()
         || error.is::<StudyError>()
+        || error.downcast_ref::<FolderError>().is_some_and(FolderError::is_input)
         || error.downcast_ref::<TableError>().is_some_and(TableError::is_input)
         || error.downcast_ref::<SweepError>().is_some_and(is_design_input)
         || error.downcast_ref::<PipelineError>().is_some_and(PipelineError::is_input)
@@ -172,6 +175,30 @@ pub fn describe(error: &anyhow::Error) -> String {
             format!("{said}: {cause}")
         }
     })
+}
+
+/// Locks the result folder of a command; a job that writes it already is told with what is known of it.
+fn open_folder(out: &Path, command: &str) -> Result<ResultFolder> {
+    let words: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    match ResultFolder::open(out, command, &format!("stiffmap {}", words.join(" "))) {
+        Err(error @ FolderError::Io { .. }) => Err(anyhow::Error::from(error).context("the result folder (--out)")),
+        opened => Ok(opened?),
+    }
+}
+
+/// Takes the old result away but for the files to keep, unless someone asked to stop.
+fn begin(folder: &mut ResultFolder, keep: &[&str], interrupt: &Interrupt) -> Result<()> {
+    if interrupt.requested() {
+        return Err(PipelineError::Interrupted.into());
+    }
+    Ok(folder.begin(keep)?)
+}
+
+/// Puts the files that a manifest lists on the disk, writes it as the last, and gives the folder back.
+fn finish(folder: ResultFolder, manifest: &Manifest) -> Result<()> {
+    folder.sync(&manifest.files)?;
+    manifest.write(&folder.path().join(MANIFEST))?;
+    Ok(folder.finish()?)
 }
 
 /// The position asked for, or the first of the travel.

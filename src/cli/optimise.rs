@@ -1,12 +1,13 @@
 //! `stiffmap optimise`: the best design of a study under its bounds.
 
-use super::UsageError;
-use super::evaluator::{Chosen, Route, choose, reduce};
+use super::evaluator::{Chosen, Route, choose, read, reduce};
 use super::progress::Progress;
 use super::record;
 use super::run::{relative, slug};
+use super::sweep::{begin_record, refuse_other};
 use super::sweep_figures::{Best, draw_best};
 use super::sweep_progress::Rate;
+use super::{UsageError, begin, finish, open_folder};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
@@ -14,17 +15,18 @@ use std::path::{Path, PathBuf};
 use stiffmap::export::atomic::write_bytes;
 use stiffmap::export::manifest::Manifest;
 use stiffmap::figures::sweep::{Convergence, draw_convergence};
+use stiffmap::files::{FolderError, MANIFEST};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::sweep::goals::Objective;
 use stiffmap::sweep::machine_values::machine_values;
 use stiffmap::sweep::optimise::{Found, optimise as search};
 use stiffmap::sweep::runner::RunError;
-use stiffmap::sweep::shards::{RECORD, Record, Shard};
+use stiffmap::sweep::shards::{RECORD, Record, Shard, TABLE};
 use stiffmap::sweep::table::{Row, Store};
 use stiffmap::sweep::{SpringBackend, Study, TableError, read_study};
 
 /// Name of the log of evaluations.
-const LOG: &str = "evaluations.csv";
+pub(super) const LOG: &str = "evaluations.csv";
 
 #[derive(Args, Debug)]
 pub struct Arguments {
@@ -65,33 +67,28 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         return Err(UsageError(said).into());
     };
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(slug(&study.name) + "_optimum"));
-    std::fs::create_dir_all(&out).with_context(|| format!("--out {}", out.display()))?;
-    let (log, manifest_file) = (out.join(LOG), out.join("manifest.json"));
+    let mut folder = open_folder(&out, "optimise")?;
+    let log = out.join(LOG);
     let before = Record::read(&out)?;
-    if log.exists() && !manifest_file.exists() && !arguments.resume && !arguments.overwrite {
-        return Err(TableError::Unfinished { path: log }.into());
-    }
-    let reduced = reduce(&study, arguments.no_cache, &mut progress, interrupt)?;
+    let read = read(&study, &mut progress)?;
+    let inputs = read.inputs.clone();
+    arguments.refuse(&out, before.as_ref(), &|route| Record::new(&study, &inputs, route, Shard::WHOLE))?;
+    let reduced = reduce(&study, read, arguments.no_cache, &mut progress, interrupt)?;
     let backend = SpringBackend::cpu("a search asks for one design at a time");
     let Chosen { evaluator, why, warnings } = progress.stage("prepare positions", 0, |_| {
         choose(&study, &reduced.superelements, arguments.route, backend, interrupt)
     })?;
-    let record = Record::new(&study, evaluator.route(), Shard::WHOLE)?;
+    let record = Record::new(&study, &inputs, evaluator.route(), Shard::WHOLE);
     let mut known: Vec<Row> = Vec::new();
     let mut store = match before.filter(|_| arguments.resume) {
         Some(before) => {
             record.check_same(&before, &out, true)?;
+            begin(&mut folder, &[LOG, RECORD], interrupt)?;
             Store::open(&log, &study, &(0..u64::MAX), &|_| None, &mut |row| known.push(row))?.0
         }
         None => {
-            // A manifest stands for a search that is finished.
-            match std::fs::remove_file(&manifest_file) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
-                _ => {}
-            }
-            let mut text = serde_json::to_vec_pretty(&record)?;
-            text.push(b'\n');
-            write_bytes(&out.join(RECORD), &text)?;
+            begin(&mut folder, &[], interrupt)?;
+            begin_record(&record, &out, LOG)?;
             Store::create(&log, &study)?
         }
     };
@@ -127,6 +124,7 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     }
     let mut manifest = Manifest {
         name: study.name.clone(),
+        command: "optimise".into(),
         machine_file: study.machine.file.display().to_string(),
         warnings: reduced.warnings,
         ..Manifest::default()
@@ -151,7 +149,8 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     record::seconds(&mut manifest, &progress);
     files.push("manifest.json".into());
     manifest.files = files;
-    manifest.write(&manifest_file)?;
+    manifest.warnings.extend(record::edited(&inputs));
+    finish(folder, &manifest)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {
@@ -175,6 +174,26 @@ fn summarise(study: &Study, found: &Found, out: &Path, progress: &Progress) {
     }
     lines.push(format!("files in {}", out.display()));
     progress.say(&lines.join("\n"));
+}
+
+impl Arguments {
+    /// Refuses to continue, or to replace unasked, the search of other inputs, and what has not finished; `here` is this
+    /// search's record by a route.
+    fn refuse(&self, out: &Path, before: Option<&Record>, here: &dyn Fn(&str) -> Record) -> Result<()> {
+        let (log, table) = (out.join(LOG), out.join(TABLE));
+        if table.exists() {
+            let holds = "the table of a sweep is there".to_owned();
+            return Err(FolderError::Taken { path: table, holds }.into());
+        }
+        if self.overwrite || !log.exists() {
+            return Ok(());
+        }
+        let Some(before) = before else { return Err(TableError::NoRecord { path: log }.into()) };
+        if !self.resume && !out.join(MANIFEST).exists() {
+            return Err(TableError::Unfinished { path: log }.into());
+        }
+        Ok(refuse_other(&log, self.resume, &here(&before.route), before)?)
+    }
 }
 
 /// The objective over the evaluations, with the best so far that keeps every bound.

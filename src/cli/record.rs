@@ -4,29 +4,41 @@ use super::map::{Axes, Map};
 use super::progress::Progress;
 use super::run::{Arguments, Outcome, figure};
 use super::summary;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde_json::json;
 use std::path::Path;
 use stiffmap::export::manifest::{Check, Manifest};
 use stiffmap::export::response::unit;
+use stiffmap::files::Inputs;
 use stiffmap::frf::Truncation;
 use stiffmap::machine::{Machine, Quantity};
 use stiffmap::modal::{Modes, ReductionEstimate};
 use stiffmap::pipeline::{FREQUENCY_BOUND, MAP_BOUND, ProjectionError, ReductionErrors, Solved, acting_damping};
 use stiffmap::reduction::Superelement;
 
-/// Hashes of the machine file and its meshes.
-pub fn input(manifest: &mut Manifest, machine: &Machine) -> Result<()> {
-    let mut add = |path: &Path| -> Result<()> {
-        let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
-        if manifest.input_hashes.0.iter().all(|(seen, _)| *seen != name) {
-            let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-            manifest.input_hashes.push(name, blake3::hash(&bytes).to_hex().to_string());
-        }
-        Ok(())
+/// What was read, by path relative to the machine file.
+pub fn input(manifest: &mut Manifest, machine: &Machine, inputs: &Inputs) {
+    let folder = machine.file.parent().unwrap_or(Path::new(""));
+    manifest.input_hashes.0.extend(inputs.named(folder));
+    manifest.warnings.extend(edited(inputs));
+}
+
+/// A file that an option of the command line names.
+pub fn named_input(manifest: &mut Manifest, option: &str, inputs: &Inputs) {
+    let named = inputs.named(Path::new("")).into_iter();
+    manifest.input_hashes.0.extend(named.map(|(name, hash)| (format!("{option} {name}"), hash)));
+    manifest.warnings.extend(edited(inputs));
+}
+
+/// What the reader of a result must know of files that were edited while it was computed.
+pub fn edited(inputs: &Inputs) -> Vec<String> {
+    let said = |path: &Path| {
+        format!(
+            "{}: it has been changed since it was read; the result is that of the file as it was then",
+            path.display()
+        )
     };
-    add(&machine.file)?;
-    machine.parts.iter().flat_map(|part| part.files()).try_for_each(add)
+    inputs.changed().into_iter().map(said).collect()
 }
 
 /// Sizes before and after each step.

@@ -3,6 +3,7 @@
 use super::figures::Shown;
 use super::run::Outcome;
 use anyhow::Result;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::coupling::CoupledModel;
 use stiffmap::export::manifest::Manifest;
@@ -12,6 +13,9 @@ use stiffmap::figures::report::{DATABASE_FILE, Database, DatabaseInput, PAGE_FIL
 use stiffmap::frf::ModalSystem;
 use stiffmap::modal::{Modes, modes_at};
 use stiffmap::reduction::Superelement;
+
+/// Setting of the manifest that holds the hash of the database beside it.
+pub const DATABASE_HASH: &str = "modal_database_blake3";
 
 /// What pictures and page need besides the outcome.
 pub struct Look<'a> {
@@ -85,9 +89,10 @@ fn ends_and_middle(modes: &[Modes]) -> Vec<&Modes> {
 }
 
 /// The modal database and the page; returns the files.
-pub fn write_report(out: &Path, database: &Database, manifest: &Manifest) -> Result<Vec<PathBuf>> {
+pub fn write_report(out: &Path, database: &Database, manifest: &mut Manifest) -> Result<Vec<PathBuf>> {
     let (data, page) = (out.join(DATABASE_FILE), out.join(PAGE_FILE));
-    database.write(&data)?;
+    // By this the folder knows its own database from that of another run.
+    manifest.settings.push(DATABASE_HASH, json!(database.write(&data)?));
     write_page(&page, database, &serde_json::to_string(manifest)?)?;
     Ok(vec![data, page])
 }

@@ -6,8 +6,8 @@ use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{Look, write_report};
 use super::states::StateArguments;
-use super::{UsageError, cache_folder, frequencies, machine_path, record, summary};
-use anyhow::{Context, Result};
+use super::{UsageError, begin, cache_folder, finish, frequencies, machine_path, open_folder, record, summary};
+use anyhow::Result;
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -101,10 +101,11 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let mut machine = read_machine(&path)?;
     let positions = arguments.overrides.apply(&mut machine)?;
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(slug(&machine.name)));
-    std::fs::create_dir_all(&out).with_context(|| format!("--out {}", out.display()))?;
+    let mut folder = open_folder(&out, "run")?;
 
     let parts = machine.parts.len();
     let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(&machine))?;
+    let read = pipeline::inputs(&machine, &meshes)?;
     let mut warnings = pipeline::plausibility(&machine, &meshes);
     progress.warn(&warnings);
     warnings.extend(mesh_warnings(&machine, &meshes));
@@ -200,7 +201,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     };
     let streams = axes.bytes() > limit;
     let (map, backend) = progress.stage("compliance map", axes.positions.len(), |step| {
-        compute_map(&request, &options, streams, &out, interrupt, step)
+        compute_map(&request, &options, streams, &mut folder, interrupt, step)
     })?;
     let undamped = undamped_in_band(&request);
     let metrics = if undamped.is_none() { map.metrics(&request)? } else { Vec::new() };
@@ -211,6 +212,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
 
     let mut manifest = Manifest {
         name: machine.name.clone(),
+        command: "run".into(),
         machine_file: arguments
             .machine
             .as_ref()
@@ -220,7 +222,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         warnings,
         ..Manifest::default()
     };
-    record::input(&mut manifest, &machine)?;
+    record::input(&mut manifest, &machine, &read);
     record::size(&mut manifest, &superelements, model.n(), &solved, &machine, &truncation);
     manifest.counts.push("frequencies", axes.frequencies.len() as u64);
     record::settings(&mut manifest, &machine, arguments, &truncation, model.frequency);
@@ -238,7 +240,9 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         Outcome { table, errors, free_motions, machine, solved, truncation, axes, map, backend, metrics, out };
     record::extrema(&mut manifest, &outcome);
     let look = Look { systems: &systems, model: &model, superelements: &superelements };
+    begin(&mut folder, &[], interrupt)?;
     write(&outcome, &look, states, arguments, &mut progress, &mut manifest, interrupt)?;
+    finish(folder, &manifest)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {
@@ -272,7 +276,7 @@ fn undamped_in_band(request: &FrfRequest<'_>) -> Option<f64> {
     request.systems.iter().find_map(of_system).map(|(f, _)| f)
 }
 
-/// Writes every file, the manifest last.
+/// Writes every file but the manifest, which lists them.
 fn write(
     outcome: &Outcome,
     look: &Look<'_>,
@@ -311,7 +315,8 @@ fn write(
         })?;
         files.extend(surfaces.iter().map(|p| relative(p, out)));
         go_on()?;
-        let database = progress.stage("modal database", 0, |_| look.database(outcome))?;
+        let mut database = progress.stage("modal database", 0, |_| look.database(outcome))?;
+        database.header.input_hashes = manifest.input_hashes.0.clone();
         record::seconds(manifest, progress);
         manifest.files = files.clone();
         go_on()?;
@@ -322,7 +327,6 @@ fn write(
     files.push("manifest.json".into());
     manifest.files = files;
     record::seconds(manifest, progress);
-    manifest.write(&out.join("manifest.json"))?;
     Ok(())
 }
 

@@ -5,13 +5,14 @@ use super::progress::Progress;
 use super::run::{figure, mesh_warnings, slug};
 use super::simulate_files::{self, Found, Outcome};
 use super::simulate_forces::sample;
-use super::{UsageError, cache_folder, machine_path, record};
-use anyhow::{Context, Result};
+use super::{UsageError, begin, cache_folder, finish, machine_path, open_folder, record};
+use anyhow::Result;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use stiffmap::coupling::CoupledModel;
 use stiffmap::export::manifest::Manifest;
+use stiffmap::files::Inputs;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, read_machine};
 use stiffmap::modal::{Modes, modes_at};
@@ -106,7 +107,8 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let (file, _bundled) = machine_path(arguments.machine.as_deref())?;
     let mut machine = read_machine(&file)?;
     let mut positions = arguments.overrides.apply(&mut machine)?;
-    let path = arguments.path(&machine)?;
+    let mut of_path = Inputs::default();
+    let path = arguments.path(&machine, &mut of_path)?;
     if arguments.impulse.is_none() && !arguments.overrides.gives_positions() {
         positions.truncate(1);
     }
@@ -117,17 +119,20 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         .unwrap_or_else(|| std::path::Path::new("results").join(format!("{}_simulation", slug(&machine.name))));
     let sampled = sample(arguments, &machine, path.as_ref(), positions.len(), &out)?;
     let forces = sampled.forces;
-    std::fs::create_dir_all(&out).with_context(|| format!("--out {}", out.display()))?;
+    let mut folder = open_folder(&out, "simulate")?;
 
-    let mut manifest = Manifest { name: machine.name.clone(), machine_file: arguments.named(), ..Manifest::default() };
+    let (name, command) = (machine.name.clone(), "simulate".into());
+    let mut manifest = Manifest { name, command, machine_file: arguments.named(), ..Manifest::default() };
     progress.warn(&sampled.warnings);
-    let model = arguments.model(&machine, &mut manifest, &mut progress, interrupt)?;
+    let (model, inputs) = arguments.model(&machine, &mut manifest, &mut progress, interrupt)?;
     manifest.warnings.extend(sampled.warnings);
     let result = match &path {
         Some(path) => arguments.along(&machine, &model, path, &forces, &mut manifest, &mut progress, interrupt)?,
         None => arguments.fixed(&machine, &model, &positions, &forces, &mut manifest, &mut progress, interrupt)?,
     };
-    record::input(&mut manifest, &machine)?;
+    record::input(&mut manifest, &machine, &inputs);
+    record::named_input(&mut manifest, "--path-file", &of_path);
+    record::named_input(&mut manifest, "--force-file", &sampled.inputs);
     let settings = &mut manifest.settings;
     settings.push("samples_a_second", json!(arguments.rate));
     settings.push("samples", json!(forces.samples()));
@@ -146,7 +151,9 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     manifest.warnings.extend(projected);
     record::damping(&mut manifest, &told, projection.as_ref());
     let outcome = Outcome { machine: &machine, outputs: model.output_names(), forces: &forces, result, out };
+    begin(&mut folder, &[], interrupt)?;
     simulate_files::write(&outcome, arguments, &mut progress, &mut manifest, interrupt)?;
+    finish(folder, &manifest)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {
@@ -164,7 +171,7 @@ impl Arguments {
         Recording { velocity: self.velocity, acceleration: self.acceleration }
     }
 
-    fn path(&self, machine: &Machine) -> Result<Option<Path>> {
+    fn path(&self, machine: &Machine, inputs: &mut Inputs) -> Result<Option<Path>> {
         let path = match (&self.path, &self.path_file) {
             (Some(text), _) => {
                 let ends: Option<Vec<f64>> = text.split(':').map(|t| t.trim().parse().ok()).collect();
@@ -174,7 +181,7 @@ impl Arguments {
                 let speed = self.feed_rate.ok_or_else(|| UsageError("--path needs --feed-rate, in m/min".into()))?;
                 Path::constant_speed(*from, *to, speed / 60.0)?
             }
-            (None, Some(file)) => read_path_file(file)?,
+            (None, Some(file)) => read_path_file(file, inputs)?,
             (None, None) => return Ok(None),
         };
         let [low, high] = path.range();
@@ -216,8 +223,9 @@ impl Arguments {
         manifest: &mut Manifest,
         progress: &mut Progress,
         interrupt: &Interrupt,
-    ) -> Result<CoupledModel> {
+    ) -> Result<(CoupledModel, Inputs)> {
         let meshes = progress.stage("read meshes", 0, |_| pipeline::read_meshes(machine))?;
+        let inputs = pipeline::inputs(machine, &meshes)?;
         manifest.warnings = pipeline::plausibility(machine, &meshes);
         progress.warn(&manifest.warnings);
         manifest.warnings.extend(mesh_warnings(machine, &meshes));
@@ -234,7 +242,7 @@ impl Arguments {
         manifest.warnings.extend(model.side_by_side.overhangs());
         manifest.counts.push("fixed_basis_coordinates", model.n() as u64);
         manifest.settings.push("fixed_basis_for_hz", json!(model.frequency));
-        Ok(model)
+        Ok((model, inputs))
     }
 
     /// The highest frequency of interest, Hz.

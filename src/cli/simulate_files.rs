@@ -42,7 +42,7 @@ pub struct Outcome<'a> {
 /// Samples averaged in pictures of spectra, as in the paper.
 const AVERAGE: usize = 5;
 
-/// Writes every file, the manifest last.
+/// Writes every file but the manifest, which lists them.
 pub fn write(
     outcome: &Outcome<'_>,
     arguments: &Arguments,
@@ -101,7 +101,6 @@ pub fn write(
     files.push(out.join("manifest.json"));
     manifest.files = files.iter().map(|p| relative(p, out)).collect();
     record::seconds(manifest, progress);
-    manifest.write(&out.join("manifest.json"))?;
     Ok(())
 }
 

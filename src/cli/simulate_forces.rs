@@ -5,6 +5,7 @@ use super::simulate::Arguments;
 use super::simulate_size::{self, Planned};
 use anyhow::Result;
 use serde_json::{Value, json};
+use stiffmap::files::Inputs;
 use stiffmap::machine::Machine;
 use stiffmap::response::{CutterPort, ForceFile, Forces, Milling, Path, PulseShape, Shape, parse_force, parse_milling};
 
@@ -13,6 +14,8 @@ pub struct Sampled {
     pub forces: Forces,
     pub warnings: Vec<String>,
     pub described: Vec<Value>,
+    /// The file of forces as it was read.
+    pub inputs: Inputs,
 }
 
 /// Length of a history where nothing says one, s.
@@ -39,7 +42,8 @@ pub fn sample(
     let planned = Planned::new(arguments, machine, path.is_some(), positions, inputs.len(), duration);
     simulate_size::check(&planned, out)?;
     let forces = Forces::none(&inputs, duration, arguments.rate)?;
-    let mut sampled = Sampled { forces, warnings: Vec::new(), described: Vec::new() };
+    let read = file.as_ref().map(|f| f.inputs.clone()).unwrap_or_default();
+    let mut sampled = Sampled { forces, warnings: Vec::new(), described: Vec::new(), inputs: read };
     let highest = arguments.highest(machine);
     if highest > 0.5 * arguments.rate {
         sampled.warnings.push(format!(

@@ -1,18 +1,20 @@
 //! `stiffmap sweep`: the designs of a study, one row each.
 
-use super::UsageError;
-use super::evaluator::{Chosen, Reduced, Route, choose, open_backend, reduce};
+use super::evaluator::{Chosen, Reduced, Route, choose, open_backend, read, reduce};
+use super::optimise::LOG;
 use super::progress::Progress;
-use super::record::round;
+use super::record::{edited, round};
 use super::run::{parse_backend, slug, without_nulls};
 use super::sweep_files::{Finished, write_results};
 use super::sweep_progress::Rate;
+use super::{UsageError, begin, open_folder};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use stiffmap::export::atomic::write_bytes;
 use stiffmap::export::manifest::Manifest;
+use stiffmap::files::{FolderError, Inputs, ResultFolder};
 use stiffmap::gpu::Backend;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::sweep::room::check_room;
@@ -81,32 +83,37 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let range = shard.range(study.sampling.designs);
     check_room(&study, range.end - range.start, arguments.maps.len(), &out)?;
-    std::fs::create_dir_all(&out).with_context(|| format!("--out {}", out.display()))?;
+    let mut folder = open_folder(&out, "sweep")?;
     if !arguments.merge.is_empty() {
-        return join(arguments, &study, &out, progress, interrupt);
+        return join(arguments, &study, folder, progress, interrupt);
     }
     let before = Record::read(&out)?;
-    refuse_unfinished(arguments, &study, &out, before.as_ref())?;
-    if let Some(before) = before.as_ref().filter(|_| arguments.resume) {
-        Record::new(&study, &before.route, shard)?.check_same(before, &out, true)?;
+    refuse_unfinished(arguments, &out, before.as_ref())?;
+    let read = read(&study, &mut progress)?;
+    let inputs = read.inputs.clone();
+    if let Some(before) = before.as_ref().filter(|_| !arguments.overwrite && out.join(TABLE).exists()) {
+        let here = Record::new(&study, &inputs, &before.route, shard);
+        refuse_other(&out.join(TABLE), arguments.resume, &here, before)?;
     }
 
     let backend = open_backend(&study, arguments.route, arguments.backend)?;
-    let reduced = reduce(&study, arguments.no_cache, &mut progress, interrupt)?;
+    let reduced = reduce(&study, read, arguments.no_cache, &mut progress, interrupt)?;
     let Chosen { evaluator, why, warnings } = progress.stage("prepare positions", 0, |_| {
         choose(&study, &reduced.superelements, arguments.route, backend, interrupt)
     })?;
     progress.warn(&warnings);
-    let record = Record::new(&study, evaluator.route(), shard)?;
+    let record = Record::new(&study, &inputs, evaluator.route(), shard);
     let table = out.join(TABLE);
     let mut rows: Vec<Row> = Vec::new();
     let (mut store, done) = match before.filter(|_| arguments.resume) {
         Some(before) => {
             record.check_same(&before, &out, true)?;
+            begin(&mut folder, &[TABLE, RECORD], interrupt)?;
             Store::open(&table, &study, &range, &|i| Some(study.values(i)), &mut |row| rows.push(row))?
         }
         None => {
-            write_record(&record, &out)?;
+            begin(&mut folder, &[], interrupt)?;
+            begin_record(&record, &out, TABLE)?;
             (Store::create(&table, &study)?, 0)
         }
     };
@@ -126,6 +133,7 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     drop(store);
 
     let mut manifest = begin_manifest(&study, &record, &reduced);
+    manifest.warnings.extend(edited(&inputs));
     manifest.settings.push("route", json!(evaluator.route()));
     manifest.settings.push("route_why", json!(why));
     manifest.warnings.extend(warnings);
@@ -147,12 +155,13 @@ pub fn sweep(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         superelements: &reduced.superelements,
         out: &out,
     };
-    write_results(&finished, arguments, manifest, &mut progress, interrupt)
+    write_results(&finished, folder, arguments, manifest, &mut progress, interrupt)
 }
 
 fn begin_manifest(study: &Study, record: &Record, reduced: &Reduced) -> Manifest {
     let mut manifest = Manifest {
         name: study.name.clone(),
+        command: "sweep".into(),
         machine_file: study.machine.file.display().to_string(),
         warnings: reduced.warnings.clone(),
         ..Manifest::default()
@@ -184,22 +193,36 @@ pub(super) fn describe(study: &Study, record: &Record, manifest: &mut Manifest) 
 }
 
 /// Joins shards into one table, which the pictures are then drawn from.
-fn join(arguments: &Arguments, study: &Study, out: &Path, mut progress: Progress, interrupt: &Interrupt) -> Result<()> {
-    let (record, text) = merge(study, &arguments.merge)?;
+fn join(
+    arguments: &Arguments,
+    study: &Study,
+    mut folder: ResultFolder,
+    mut progress: Progress,
+    interrupt: &Interrupt,
+) -> Result<()> {
+    let out = &folder.path().to_path_buf();
+    let read = read(study, &mut progress)?;
+    let inputs: Inputs = read.inputs.clone();
+    let (record, text) = merge(study, &inputs, &arguments.merge)?;
     let table = out.join(TABLE);
     if arguments.merge.iter().any(|folder| same_folder(folder, out)) {
         let said = format!("--out {}: it is one of the shards; choose another folder", out.display());
         return Err(UsageError(said).into());
     }
-    refuse_unfinished(arguments, study, out, Record::read(out)?.as_ref())?;
+    let before = Record::read(out)?;
+    refuse_unfinished(arguments, out, before.as_ref())?;
+    if let Some(before) = before.as_ref().filter(|_| !arguments.overwrite && table.exists()) {
+        refuse_other(&table, false, &record, before)?;
+    }
     let mut rows: Vec<Row> = Vec::new();
     read_rows(&table, study, &text, &(0..study.sampling.designs), &|_| None, &mut |row| rows.push(row))?;
+    begin(&mut folder, &[], interrupt)?;
+    begin_record(&record, out, TABLE)?;
     write_bytes(&table, &text)?;
-    write_record(&record, out)?;
     // The best design beside the nominal one, and sensitivities, need the machine; the table does not.
     let needs_machine = !arguments.no_figures || arguments.sensitivities.is_some();
     let reduced = if needs_machine {
-        reduce(study, arguments.no_cache, &mut progress, interrupt)?
+        reduce(study, read, arguments.no_cache, &mut progress, interrupt)?
     } else {
         Reduced { superelements: Vec::new(), warnings: Vec::new(), parts_from_cache: 0 }
     };
@@ -211,11 +234,12 @@ fn join(arguments: &Arguments, study: &Study, out: &Path, mut progress: Progress
         None
     };
     let mut manifest = begin_manifest(study, &record, &reduced);
+    manifest.warnings.extend(edited(&inputs));
     manifest.settings.push("route", json!(record.route));
     manifest.counts.push("shards_joined", arguments.merge.len() as u64);
     let superelements = &reduced.superelements;
     let finished = Finished { study, rows: &rows, whole: true, evaluator: evaluator.as_deref(), superelements, out };
-    write_results(&finished, arguments, manifest, &mut progress, interrupt)
+    write_results(&finished, folder, arguments, manifest, &mut progress, interrupt)
 }
 
 fn same_folder(a: &Path, b: &Path) -> bool {
@@ -235,24 +259,49 @@ fn check_designs(study: &Study, option: &str, asked: &[u64]) -> Result<(), Usage
     }
 }
 
-/// Hours of work are not overwritten by a forgotten --resume.
-fn refuse_unfinished(arguments: &Arguments, study: &Study, out: &Path, record: Option<&Record>) -> Result<()> {
-    let table = out.join(TABLE);
-    if arguments.resume || arguments.overwrite || !table.exists() {
+/// Hours of work are not overwritten by a forgotten --resume, nor a search by a sweep.
+fn refuse_unfinished(arguments: &Arguments, out: &Path, record: Option<&Record>) -> Result<()> {
+    let (table, log) = (out.join(TABLE), out.join(LOG));
+    if log.exists() {
+        let holds = "the evaluations of a search are there".to_owned();
+        return Err(FolderError::Taken { path: log, holds }.into());
+    }
+    if arguments.overwrite || !table.exists() {
         return Ok(());
     }
-    let range = record.map(Record::range);
+    let Some(record) = record else { return Err(TableError::NoRecord { path: table }.into()) };
+    if arguments.resume {
+        return Ok(());
+    }
+    let range = record.range();
     let text = std::fs::read(&table).with_context(|| table.display().to_string())?;
-    let complete = match range {
-        // Rows have no line breaks within: the header and one line a design.
-        Some(range) => text.iter().filter(|b| **b == b'\n').count() as u64 > range.end - range.start,
-        None => false,
-    };
-    let _ = study;
+    // Rows have no line breaks within: the header and one line a design.
+    let complete = text.iter().filter(|b| **b == b'\n').count() as u64 > range.end - range.start;
     if complete { Ok(()) } else { Err(TableError::Unfinished { path: table }.into()) }
 }
 
-fn write_record(record: &Record, out: &Path) -> Result<()> {
+/// Refuses to continue, or to replace unasked, the table of other inputs than `here`.
+pub(super) fn refuse_other(table: &Path, resume: bool, here: &Record, before: &Record) -> Result<(), TableError> {
+    match here.check_same(before, table.parent().unwrap_or(Path::new("")), true) {
+        Err(TableError::Differs { what, seen, expected, .. }) if !resume => {
+            let difference = format!("{what} is {seen} there and {expected} here");
+            Err(TableError::Other { path: table.to_path_buf(), difference })
+        }
+        checked => checked,
+    }
+}
+
+/// Puts a new record in place of an old one and its table; never is a record beside the table of another.
+pub(super) fn begin_record(record: &Record, out: &Path, table: &str) -> Result<()> {
+    for name in [RECORD, table] {
+        let path = out.join(name);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(error).with_context(|| path.display().to_string());
+            }
+            _ => {}
+        }
+    }
     let mut text = serde_json::to_vec_pretty(record)?;
     text.push(b'\n');
     Ok(write_bytes(&out.join(RECORD), &text)?)

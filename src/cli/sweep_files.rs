@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use stiffmap::export::atomic::write_bytes;
 use stiffmap::export::manifest::Manifest;
 use stiffmap::export::mat;
+use stiffmap::files::ResultFolder;
 use stiffmap::frf::{ComplianceMap, FrfRequest, Quantity, Selection, modal_sum, modal_systems};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::modal::modes_at;
@@ -37,6 +38,7 @@ pub struct Finished<'a> {
 /// Writes everything beside the table, the manifest last.
 pub fn write_results(
     finished: &Finished<'_>,
+    folder: ResultFolder,
     arguments: &Arguments,
     mut manifest: Manifest,
     progress: &mut Progress,
@@ -108,7 +110,7 @@ pub fn write_results(
     files.push("manifest.json".into());
     manifest.files = files;
     record::seconds(&mut manifest, progress);
-    manifest.write(&out.join("manifest.json"))?;
+    super::finish(folder, &manifest)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&manifest)?);
     } else {

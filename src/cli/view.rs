@@ -32,6 +32,12 @@ pub struct Arguments {
 pub fn view(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let given = &arguments.result;
     let page = if given.is_dir() { given.join(PAGE_FILE) } else { given.clone() };
+    if given.is_dir() && page.is_file() {
+        stiffmap::files::ResultFolder::check_finished(
+            given,
+            "run again, or name its report.html to see what is there",
+        )?;
+    }
     if !page.is_file() {
         let text =
             format!("{}: there is no {PAGE_FILE}; `stiffmap run` and `stiffmap figures` write it", given.display());

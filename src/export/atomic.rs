@@ -1,62 +1,59 @@
 //! Files that are there whole or not at all.
 //!
-//! A file is written under a temporary name in its own folder and renamed when complete. The
-//! rename replaces an older file in one step, so a reader sees the old or the new content. The
-//! temporary is removed on errors and panics. A signal handler that ends the process without
-//! unwinding calls [`remove_temporaries`] first; the list it reads is this module's only state
-//! outside a call.
+//! A file is written under a temporary name in its own folder and renamed when complete
+//! ([`aside`](crate::files::aside)). The rename replaces an older file in one step, so a reader sees the old or the new
+//! content. The temporary is removed on errors and panics.
+//!
+//! What is no plain file is never replaced by one. A link stays, and the file that it leads to is replaced. A device
+//! that takes characters and a pipe are written through, since they have no content that could be kept. Everything
+//! else is refused.
 
-use std::collections::BTreeSet;
-use std::fs::File;
+use std::fs::{File, FileType, OpenOptions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::ExportError;
-
-/// Temporaries that exist now, for the signal handler.
-static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-fn live() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    LIVE.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Takes a temporary off the list when its write ends, however it ends.
-struct Listed(PathBuf);
-
-impl Drop for Listed {
-    fn drop(&mut self) {
-        live().remove(&self.0);
-    }
-}
+use crate::files::aside::{self, Aside, folder_of};
 
 /// Writer that [`write_atomic`] hands out.
 pub type FileWriter = BufWriter<File>;
+
+/// Bytes collected before they are handed to the system.
+const BUFFER: usize = 1 << 18;
 
 /// A file that is being written aside. It takes its place with [`AtomicFile::commit`]; dropped before, it is removed.
 pub struct AtomicFile {
     path: PathBuf,
     writer: FileWriter,
-    name: tempfile::TempPath,
-    // After `name`: the temporary is on the list as long as it is there.
-    _listed: Listed,
+    /// The temporary and the name that it takes; none where the file is written through.
+    aside: Option<(Aside, PathBuf)>,
+}
+
+/// Where the bytes of an output go.
+enum Destination {
+    /// To a file of this name, aside first.
+    File(PathBuf),
+    /// To what is there, as they come.
+    Through,
 }
 
 impl AtomicFile {
     /// Begins a file. The folder of `path` is made where it is missing.
     ///
     /// # Errors
-    /// [`ExportError::Io`] if the folder or the temporary cannot be made.
+    /// [`ExportError::Io`] if the folder or the temporary cannot be made, or `path` is something that is neither
+    /// replaced nor written through.
     pub fn create(path: &Path) -> Result<AtomicFile, ExportError> {
-        let folder = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
+        std::fs::create_dir_all(folder_of(path)).map_err(io(path, "make the folder of"))?;
+        let (file, aside) = match destination(path).map_err(io(path, "write"))? {
+            Destination::File(place) => {
+                let aside = Aside::beside(&place).map_err(io(path, "create"))?;
+                (aside.file.try_clone().map_err(io(path, "create"))?, Some((aside, place)))
+            }
+            // Appended: what is there may be a plain file that a shell has opened as /dev/stdout.
+            Destination::Through => (OpenOptions::new().append(true).open(path).map_err(io(path, "open"))?, None),
         };
-        std::fs::create_dir_all(folder).map_err(io(path, "make the folder of"))?;
-        let (file, name) = temporary_beside(path, folder)?.into_parts();
-        live().insert(name.to_path_buf());
-        let _listed = Listed(name.to_path_buf());
-        Ok(AtomicFile { path: path.to_path_buf(), writer: BufWriter::with_capacity(1 << 18, file), name, _listed })
+        Ok(AtomicFile { path: path.to_path_buf(), writer: BufWriter::with_capacity(BUFFER, file), aside })
     }
 
     /// The path that the file will have.
@@ -81,11 +78,44 @@ impl AtomicFile {
     /// [`ExportError::Io`] if the last bytes or the rename fail; the temporary is removed and the path keeps its old
     /// content.
     pub fn commit(self) -> Result<(), ExportError> {
-        let AtomicFile { path, mut writer, name, _listed } = self;
+        let AtomicFile { path, mut writer, aside } = self;
         writer.flush().map_err(io(&path, "write"))?;
         drop(writer.into_inner().map_err(|e| io(&path, "write")(e.into_error()))?);
-        name.persist(&path).map_err(|e| io(&path, "replace")(e.error))
+        aside.map_or(Ok(()), |(aside, place)| aside.persist(&place)).map_err(io(&path, "replace"))
     }
+}
+
+/// Where the bytes for a path go.
+fn destination(path: &Path) -> std::io::Result<Destination> {
+    let found = match std::fs::symlink_metadata(path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Destination::File(path.to_path_buf())),
+        found => found?,
+    };
+    if !found.is_symlink() {
+        return of_kind(found.file_type(), path.to_path_buf());
+    }
+    // Links of the system to what a process has open, such as /dev/stdout.
+    if ["/dev", "/proc"].iter().any(|system| path.starts_with(system)) {
+        return Ok(Destination::Through);
+    }
+    let lost = |error| std::io::Error::other(format!("it is a link that leads nowhere ({error}); remove or mend it"));
+    let real = path.canonicalize().map_err(lost)?;
+    of_kind(std::fs::metadata(&real)?.file_type(), real)
+}
+
+fn of_kind(kind: FileType, place: PathBuf) -> std::io::Result<Destination> {
+    if kind.is_file() {
+        return Ok(Destination::File(place));
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if kind.is_char_device() || kind.is_fifo() {
+            return Ok(Destination::Through);
+        }
+    }
+    let what = if kind.is_dir() { "a folder" } else { "neither a plain file nor a pipe" };
+    Err(std::io::Error::other(format!("it is {what}; name a file")))
 }
 
 /// Writes a file aside with `write` and renames it to `path`; as [`AtomicFile`].
@@ -115,31 +145,12 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
 /// # Errors
 /// The temporaries that could not be removed, each with the reason.
 pub fn remove_temporaries() -> Result<(), Vec<ExportError>> {
-    let failures: Vec<_> = std::mem::take(&mut *live())
-        .iter()
-        .filter_map(|path| match std::fs::remove_file(path) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => Some(io(path, "remove")(e)),
-            _ => None,
-        })
-        .collect();
+    let failures: Vec<_> =
+        aside::remove_temporaries().into_iter().map(|(path, error)| io(&path, "remove")(error)).collect();
     if failures.is_empty() { Ok(()) } else { Err(failures) }
 }
 
 /// Turns an I/O error into one that names the file and what was tried.
 pub fn io(path: &Path, action: &'static str) -> impl Fn(std::io::Error) -> ExportError {
     move |source| ExportError::Io { path: path.to_path_buf(), action, source }
-}
-
-/// A hidden temporary beside the file, `.compliance.mat.<random>.tmp`, with ordinary permissions.
-fn temporary_beside(path: &Path, folder: &Path) -> Result<tempfile::NamedTempFile, ExportError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let prefix = format!(".{name}.");
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666)); // less the umask
-    }
-    builder.tempfile_in(folder).map_err(io(path, "create"))
 }

@@ -55,9 +55,12 @@ pub struct Manifest {
     pub name: String,
     /// Version of the program.
     pub version: String,
+    /// The command that wrote the folder, such as `run`.
+    pub command: String,
     /// The machine file as it was named by the user.
     pub machine_file: String,
-    /// BLAKE3 of every input, in hexadecimal, by path relative to the machine file.
+    /// BLAKE3 of the bytes that were parsed of every file read, in hexadecimal, by path relative to the machine file (of
+    /// sweeps to the study). Files named on the command line stand under option and path.
     pub input_hashes: Ordered<String>,
     /// Settings that the run took, from the machine file and the command line.
     pub settings: Ordered<Value>,
@@ -80,6 +83,7 @@ impl Default for Manifest {
         Manifest {
             name: String::new(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: String::new(),
             machine_file: String::new(),
             input_hashes: Ordered::default(),
             settings: Ordered::default(),

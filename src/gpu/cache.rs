@@ -1,10 +1,11 @@
 //! What was measured of adapters, kept in a file: accuracy and speed a driver, and which adapters there are.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+
+use crate::files::aside;
 
 use super::trust::TrustFigures;
 use super::{AdapterSummary, Precision, list_adapters};
@@ -65,10 +66,7 @@ impl MeasuredCache {
         let Some(dir) = dir else { return };
         let write = || -> std::io::Result<()> {
             std::fs::create_dir_all(dir)?;
-            let mut file = tempfile::NamedTempFile::new_in(dir)?;
-            file.write_all(&serde_json::to_vec_pretty(self)?)?;
-            file.persist(dir.join(FILE)).map_err(|e| e.error)?;
-            Ok(())
+            aside::write(&dir.join(FILE), &[&serde_json::to_vec_pretty(self)?])
         };
         if let Err(e) = write() {
             tracing::warn!("the device cache in {} cannot be written: {e}", dir.display());

@@ -2,6 +2,7 @@
 
 use super::analysis_model::Analysis;
 use super::matrices::MatrixFiles;
+use crate::files::Inputs;
 use std::path::PathBuf;
 
 /// A machine: parts, the joints between them, the axis that moves some of them, and what to analyse.
@@ -21,6 +22,8 @@ pub struct Machine {
     pub ports: Vec<Port>,
     /// What to compute.
     pub analysis: Analysis,
+    /// The machine file as it was read; the files of the parts are recorded by their readers.
+    pub inputs: Inputs,
 }
 
 /// One finite-element part.

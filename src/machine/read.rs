@@ -8,6 +8,7 @@ use super::model::{Joint, Machine, Part};
 use super::parts::read_parts;
 use super::ports::read_ports;
 use super::table::{Source, Table};
+use crate::files::Inputs;
 use std::path::Path;
 use toml::de::DeTable;
 
@@ -23,7 +24,8 @@ use toml::de::DeTable;
 pub fn read_machine(path: &Path) -> Result<Machine, MachineError> {
     let is_folder = path.is_dir();
     let file = if is_folder { path.join("machine.toml") } else { path.to_path_buf() };
-    let text = std::fs::read_to_string(&file).map_err(|source| MachineError::Unreadable {
+    let mut inputs = Inputs::default();
+    let text = inputs.read_text(&file).map_err(|source| MachineError::Unreadable {
         file: file.clone(),
         source,
         advice: if is_folder {
@@ -37,10 +39,10 @@ pub fn read_machine(path: &Path) -> Result<Machine, MachineError> {
         let (line, column) = source.line_column(error.span().map_or(0, |span| span.start));
         MachineError::Syntax { file: file.clone(), line, column, message: error.message().to_owned() }
     })?;
-    read_document(Table::root(&source, document.get_ref()), &file)
+    read_document(Table::root(&source, document.get_ref()), &file, inputs)
 }
 
-fn read_document(root: Table<'_>, file: &Path) -> Result<Machine, MachineError> {
+fn read_document(root: Table<'_>, file: &Path, inputs: Inputs) -> Result<Machine, MachineError> {
     let name = read_title(&root)?;
     let parts = read_parts(&root, file)?;
     let axis = read_axis(&root, &parts)?;
@@ -49,7 +51,7 @@ fn read_document(root: Table<'_>, file: &Path) -> Result<Machine, MachineError> 
     let analysis = read_analysis(&root)?;
     check_every_part_is_joined(&root, &parts, &joints)?;
     root.finish()?;
-    Ok(Machine { name, file: file.to_path_buf(), parts, joints, axis, ports, analysis })
+    Ok(Machine { name, file: file.to_path_buf(), parts, joints, axis, ports, analysis, inputs })
 }
 
 fn read_title(root: &Table<'_>) -> Result<String, MachineError> {

@@ -4,6 +4,7 @@ use super::coordinates::{Coordinates, symmetric};
 use super::labels::{DofLabel, DofTable, NodeSet, parse_node_table, parse_set_table};
 use super::source::{Raw, bytes, read_dofs, read_matrix};
 use super::{MatrixError, abaqus};
+use crate::files::Inputs;
 use crate::linalg::SparseSymmetric;
 use crate::machine::{InterfaceNodes, InterfaceWeights, MatrixFiles, MeshUnits, Part};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -65,6 +66,8 @@ pub struct MatrixPart {
     pub matrices: GivenMatrices,
     /// What was passed over.
     pub warnings: Vec<String>,
+    /// The files as they were read.
+    pub inputs: Inputs,
 }
 
 /// Reads a part's matrices; `mesh` are the nodes of its mesh file, if it names one.
@@ -72,16 +75,20 @@ pub struct MatrixPart {
 /// # Errors
 /// [`MatrixError`] for what cannot be read, is missing, not symmetric, or does not fit together.
 pub fn read_part_matrices(part: &Part, files: &MatrixFiles, mesh: Option<Geometry>) -> Result<MatrixPart, MatrixError> {
-    let mut warnings = Vec::new();
+    let (mut warnings, mut inputs) = (Vec::new(), Inputs::default());
     two_matrices(files)?;
-    let stiffness = read_matrix(&files.stiffness, files.stiffness_name.as_deref(), "stiffness", &mut warnings)?;
-    let mass = read_matrix(&files.mass, files.mass_name.as_deref(), "mass", &mut warnings)?;
-    let table = files.dofs.as_deref().map(read_dofs).transpose()?;
+    let stiffness_name = files.stiffness_name.as_deref();
+    let stiffness = read_matrix(&files.stiffness, stiffness_name, "stiffness", &mut warnings, &mut inputs)?;
+    let mass = read_matrix(&files.mass, files.mass_name.as_deref(), "mass", &mut warnings, &mut inputs)?;
+    let table = files.dofs.as_deref().map(|file| read_dofs(file, &mut inputs)).transpose()?;
     let (stiffness, mass, labels, fixed) = one_numbering(files, stiffness, mass, table.as_ref(), &mut warnings)?;
 
-    let sets = files.sets.as_deref().map(|f| parse_set_table(&bytes(f)?, f)).transpose()?.unwrap_or_default();
+    let sets = match &files.sets {
+        Some(file) => parse_set_table(&bytes(file, &mut inputs)?, file)?,
+        None => BTreeMap::new(),
+    };
     let places = match (&files.nodes, table) {
-        (Some(file), _) => parse_node_table(&bytes(file)?, file)?,
+        (Some(file), _) => parse_node_table(&bytes(file, &mut inputs)?, file)?,
         (None, Some(table)) => table.nodes,
         (None, None) => BTreeMap::new(),
     };
@@ -148,7 +155,7 @@ pub fn read_part_matrices(part: &Part, files: &MatrixFiles, mesh: Option<Geometr
         interfaces,
         free: files.free,
     };
-    Ok(MatrixPart { geometry, matrices, warnings })
+    Ok(MatrixPart { geometry, matrices, warnings, inputs })
 }
 
 /// Refuses one matrix for stiffness and mass: the same file and name, in a file that holds one matrix a name.

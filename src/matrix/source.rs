@@ -4,6 +4,7 @@ use super::coordinates::Coordinates;
 use super::labels::{DofLabel, DofTable, parse_calculix_dofs, parse_dof_table};
 use super::op4::parse_op4;
 use super::{MatrixError, abaqus, calculix, full, market};
+use crate::files::Inputs;
 use std::path::Path;
 
 /// A matrix as its file has it.
@@ -15,13 +16,15 @@ pub(super) struct Raw {
     pub sized: bool,
 }
 
-pub(super) fn bytes(file: &Path) -> Result<Vec<u8>, MatrixError> {
-    std::fs::read(file).map_err(|source| MatrixError::Unreadable { file: file.to_path_buf(), source })
+/// Reads a file whole and records it.
+pub(super) fn bytes(file: &Path, inputs: &mut Inputs) -> Result<Vec<u8>, MatrixError> {
+    inputs.read(file).map_err(|source| MatrixError::Unreadable { file: file.to_path_buf(), source })
 }
 
-pub(super) fn read_dofs(file: &Path) -> Result<DofTable, MatrixError> {
+pub(super) fn read_dofs(file: &Path, inputs: &mut Inputs) -> Result<DofTable, MatrixError> {
     let calculix = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("dof"));
-    if calculix { parse_calculix_dofs(&bytes(file)?, file) } else { parse_dof_table(&bytes(file)?, file) }
+    let bytes = bytes(file, inputs)?;
+    if calculix { parse_calculix_dofs(&bytes, file) } else { parse_dof_table(&bytes, file) }
 }
 
 pub(super) fn read_matrix(
@@ -29,10 +32,11 @@ pub(super) fn read_matrix(
     name: Option<&str>,
     what: &'static str,
     warnings: &mut Vec<String>,
+    inputs: &mut Inputs,
 ) -> Result<Raw, MatrixError> {
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let plain = |matrix, sized| Raw { matrix, labels: None, fixed: Vec::new(), sized };
-    let bytes = bytes(file)?;
+    let bytes = bytes(file, inputs)?;
     let missing =
         |what: String, found: String, advice| MatrixError::Missing { file: file.to_path_buf(), what, found, advice };
     match extension.as_str() {

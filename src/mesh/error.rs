@@ -21,6 +21,9 @@ impl fmt::Display for Spot {
 /// Why a mesh file is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
+    /// A file was edited between two readings.
+    #[error(transparent)]
+    Inputs(#[from] crate::files::InputError),
     /// A part's matrices are not usable.
     #[error(transparent)]
     Matrix(#[from] crate::matrix::MatrixError),

@@ -25,9 +25,9 @@ mod surfaces;
 mod topology;
 
 pub use raw::FrequencyStep;
-pub use source::included_files;
 
 use super::{Mesh, MeshError, MeshFile, Warning};
+use crate::files::Inputs;
 use crate::machine::MeshUnits;
 use sections::Purpose;
 use source::Source;
@@ -73,7 +73,7 @@ pub fn read_inp_file(path: &Path, units: MeshUnits, plain_bricks: bool) -> Resul
 /// # Errors
 /// As [`read_inp`].
 pub fn read_inp_as(path: &Path, units: MeshUnits, how: Reading) -> Result<MeshFile, MeshError> {
-    parse(&read(path)?, path, units, how)
+    parse(Source::read(path)?, units, how)
 }
 
 /// The mesh of the bytes of an input file; `file` serves the messages, and its folder what is included.
@@ -81,12 +81,14 @@ pub fn read_inp_as(path: &Path, units: MeshUnits, how: Reading) -> Result<MeshFi
 /// # Errors
 /// As [`read_inp`].
 pub fn parse_inp(bytes: &[u8], file: &Path, units: MeshUnits) -> Result<MeshFile, MeshError> {
-    parse(bytes, file, units, Reading::default())
+    parse(Source::new(bytes, file)?, units, Reading::default())
 }
 
-fn parse(bytes: &[u8], file: &Path, units: MeshUnits, how: Reading) -> Result<MeshFile, MeshError> {
-    let source = Source::new(bytes, file)?;
-    assemble::assemble(sections::collect(&source, Purpose::Part, how)?, &source, units, how.other_material)
+fn parse(mut source: Source, units: MeshUnits, how: Reading) -> Result<MeshFile, MeshError> {
+    let raw = sections::collect(&source, Purpose::Part, how)?;
+    let mut file = assemble::assemble(raw, &source, units, how.other_material)?;
+    file.mesh.inputs = std::mem::take(&mut source.inputs);
+    Ok(file)
 }
 
 /// A deck: a mesh and what its frequency step asks for, in the deck's own units.
@@ -106,7 +108,7 @@ pub struct Deck {
 /// # Errors
 /// As [`read_inp`], and [`MeshError::Deck`] where the first step is another, or there is none and no `modes`.
 pub fn read_deck(path: &Path, plain_bricks: bool, modes: Option<usize>) -> Result<Deck, MeshError> {
-    parse_deck(&read(path)?, path, plain_bricks, modes)
+    deck(&Source::read(path)?, plain_bricks, modes)
 }
 
 /// The same of the bytes of a deck.
@@ -114,18 +116,22 @@ pub fn read_deck(path: &Path, plain_bricks: bool, modes: Option<usize>) -> Resul
 /// # Errors
 /// As [`read_deck`].
 pub fn parse_deck(bytes: &[u8], file: &Path, plain_bricks: bool, modes: Option<usize>) -> Result<Deck, MeshError> {
-    let source = Source::new(bytes, file)?;
-    let raw = sections::collect(&source, Purpose::Deck, Reading { plain_bricks, other_material: false })?;
+    deck(&Source::new(bytes, file)?, plain_bricks, modes)
+}
+
+fn deck(source: &Source, plain_bricks: bool, modes: Option<usize>) -> Result<Deck, MeshError> {
+    let raw = sections::collect(source, Purpose::Deck, Reading { plain_bricks, other_material: false })?;
     let whole = |modes| FrequencyStep { modes, from: f64::NEG_INFINITY, to: f64::INFINITY };
     let mut frequency = raw.frequency.or(modes.map(whole)).ok_or_else(|| MeshError::Deck {
         spot: source.spot(1),
         reason: "the deck has no *STEP; allowed: a first step of *FREQUENCY; add it, or give --modes".into(),
     })?;
     frequency.modes = modes.unwrap_or(frequency.modes);
-    let MeshFile { mesh, warnings } = assemble::assemble(raw, &source, MeshUnits::METRE_KILOGRAM_SECOND, false)?;
+    let MeshFile { mesh, warnings } = assemble::assemble(raw, source, MeshUnits::METRE_KILOGRAM_SECOND, false)?;
     Ok(Deck { mesh, frequency, warnings })
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, MeshError> {
-    std::fs::read(path).map_err(|source| MeshError::Unreadable { file: path.to_path_buf(), source })
+/// Reads a file whole and records it.
+fn read(path: &Path, inputs: &mut Inputs) -> Result<Vec<u8>, MeshError> {
+    inputs.read(path).map_err(|source| MeshError::Unreadable { file: path.to_path_buf(), source })
 }

@@ -13,9 +13,10 @@ mod named;
 
 pub use cell::{Cell, CellFace, CellKind};
 pub use error::{MeshError, Spot};
-pub use inp::{included_files, read_inp};
+pub use inp::read_inp;
 pub use named::{FaceElement, Namesake, loosely_equal, spelling};
 
+use crate::files::{InputError, Inputs};
 use crate::machine::{Material, MeshUnits, Part, Placement, nearest};
 use crate::matrix::{Geometry, GivenMatrices, MatrixPart, read_part_matrices};
 use inp::Reading;
@@ -86,7 +87,7 @@ pub fn read_part_mesh(part: &Part) -> Result<MeshFile, MeshError> {
             faces: mesh.surfaces.keys().chain(mesh.face_sets.keys()).cloned().collect(),
             clashes: BTreeMap::new(),
         });
-        let MatrixPart { geometry, matrices, warnings } = read_part_matrices(part, files, geometry)?;
+        let MatrixPart { geometry, matrices, warnings, inputs } = read_part_matrices(part, files, geometry)?;
         (mesh.nodes, mesh.node_labels, mesh.node_sets) = (geometry.nodes, geometry.labels, geometry.sets);
         for (name, nodes) in geometry.clashes {
             let what = ["the set of the mesh".to_owned(), "the set of the table `sets`".to_owned()];
@@ -94,6 +95,7 @@ pub fn read_part_mesh(part: &Part) -> Result<MeshFile, MeshError> {
             mesh.namesakes.insert(name, both.collect());
         }
         mesh.matrices = Some(Box::new(matrices));
+        mesh.inputs.extend(&inputs)?;
         file.warnings.extend(warnings.into_iter().map(|text| Warning { line: 0, text }));
     }
     place(&mut file.mesh, &part.placement, &part.mesh)?;
@@ -118,6 +120,16 @@ fn place(mesh: &mut Mesh, placement: &Placement, file: &Path) -> Result<(), Mesh
         *held = [held[x], held[y], held[z]];
     }
     Ok(())
+}
+
+/// The files of all parts as they were read.
+///
+/// # Errors
+/// [`InputError`] if two parts read one file and saw different contents.
+pub fn inputs_of(meshes: &[MeshFile]) -> Result<Inputs, InputError> {
+    let mut inputs = Inputs::default();
+    meshes.iter().try_for_each(|file| inputs.extend(&file.mesh.inputs))?;
+    Ok(inputs)
 }
 
 /// The mesh of a file; its warnings go to the log.
@@ -159,6 +171,8 @@ pub struct Mesh {
     pub materials: Vec<Material>,
     /// Stiffness and mass in place of what the cells would give.
     pub matrices: Option<Box<GivenMatrices>>,
+    /// Every file that it was made from, as it was read, with all that they include; none for a mesh made in memory.
+    pub inputs: Inputs,
 }
 
 impl Mesh {

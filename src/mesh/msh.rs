@@ -16,6 +16,7 @@ mod version_2;
 mod version_4;
 
 use super::{MeshError, MeshFile};
+use crate::files::Inputs;
 use crate::machine::MeshUnits;
 use lines::Lines;
 use std::path::Path;
@@ -28,8 +29,11 @@ use std::path::Path;
 /// solid, unreadable or infinite numbers, labels given twice or missing, a section that is cut off, no
 /// solid elements.
 pub fn read_msh_file(path: &Path, units: MeshUnits, plain_bricks: bool) -> Result<MeshFile, MeshError> {
-    let bytes = std::fs::read(path).map_err(|source| MeshError::Unreadable { file: path.to_path_buf(), source })?;
-    parse_msh(&bytes, path, units, plain_bricks)
+    let mut inputs = Inputs::default();
+    let bytes = inputs.read(path).map_err(|source| MeshError::Unreadable { file: path.to_path_buf(), source })?;
+    let mut file = parse(&bytes, path, units, plain_bricks)?;
+    file.mesh.inputs = inputs;
+    Ok(file)
 }
 
 /// The same of the bytes of a file; `file` serves the messages.
@@ -37,6 +41,12 @@ pub fn read_msh_file(path: &Path, units: MeshUnits, plain_bricks: bool) -> Resul
 /// # Errors
 /// As [`read_msh_file`].
 pub fn parse_msh(bytes: &[u8], file: &Path, units: MeshUnits, plain_bricks: bool) -> Result<MeshFile, MeshError> {
+    let mut read = parse(bytes, file, units, plain_bricks)?;
+    read.mesh.inputs.add(file, bytes)?;
+    Ok(read)
+}
+
+fn parse(bytes: &[u8], file: &Path, units: MeshUnits, plain_bricks: bool) -> Result<MeshFile, MeshError> {
     let mut lines = Lines::new(bytes, file)?;
     let mut raw = raw::Raw::default();
     let four = lines.format()?;

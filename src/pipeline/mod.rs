@@ -3,22 +3,25 @@
 mod mechanism;
 mod plausibility;
 mod projection;
+mod reading;
 mod reduction_error;
 mod travel;
 
 pub use mechanism::mechanisms;
 pub use plausibility::{modal_plausibility, plausibility, study_plausibility};
 pub use projection::{PROJECTION_TOLD, ProjectionError, Simplified, acting_damping, projection_error};
+pub use reading::{inputs, read_meshes};
 pub use reduction_error::{FREQUENCY_BOUND, MAP_BOUND, ReductionErrors, few_component_modes, reduction_errors};
 pub use travel::{check_travel, screw_length};
 
 use crate::coupling::{
     BasisOptions, CoupledModel, CouplingError, Unreduced, at_fixed_position, couple, reduction_requests, unreduced,
 };
+use crate::files::InputError;
 use crate::interrupt::Interrupt;
 use crate::linalg::LinalgError;
 use crate::machine::{Damping, Machine, SurfaceCoupling};
-use crate::mesh::{MeshError, MeshFile, read_part_mesh};
+use crate::mesh::{MeshError, MeshFile, inputs_of};
 use crate::modal::{ModalError, ModeCount, ModeFamilies, Modes, Tracker, check_count, modes_at, track};
 use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, reduce};
 use crate::solid::{SolidError, interface_motions};
@@ -28,6 +31,9 @@ use rayon::prelude::*;
 /// Why a stage failed.
 #[derive(Debug, thiserror::Error)]
 pub enum PipelineError {
+    /// A file was edited between two readings.
+    #[error(transparent)]
+    Inputs(#[from] InputError),
     /// A mesh file is missing or not usable.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -55,7 +61,7 @@ impl PipelineError {
     /// Whether the input is to blame (exit code 2) and not the computation.
     pub fn is_input(&self) -> bool {
         match self {
-            Self::Mesh(_) | Self::Solid(_) => true,
+            Self::Inputs(_) | Self::Mesh(_) | Self::Solid(_) => true,
             Self::Reduction(error) => matches!(error, ReductionError::Solid(_) | ReductionError::NotHeld { .. }),
             Self::Coupling(error) | Self::Modal(ModalError::Coupling(error)) => {
                 !matches!(error, CouplingError::Basis(_))
@@ -67,14 +73,6 @@ impl PipelineError {
 
 /// Reports that one more of a stage's steps is done.
 pub type Step<'a> = &'a (dyn Fn() + Sync);
-
-/// Reads every part's mesh or matrices.
-///
-/// # Errors
-/// [`PipelineError::Mesh`], with file and line.
-pub fn read_meshes(machine: &Machine) -> Result<Vec<MeshFile>, PipelineError> {
-    machine.parts.par_iter().map(|part| Ok(read_part_mesh(part)?)).collect()
-}
 
 /// Reduces every part, parts in parallel; superelements come from the cache where there is one.
 ///
@@ -378,8 +376,12 @@ pub fn interface_band(
     check_travel(machine, &meshes, &centroids)?;
     let one = |coupling| {
         let fixed = at_fixed_position(machine, &centroids, position, coupling)?;
-        // Parts given by matrices form their interfaces as they are read.
-        let meshes = if fixed.parts.iter().any(|p| p.matrices.is_some()) { &read_meshes(&fixed)? } else { &meshes };
+        // Parts given by matrices form their interfaces as they are read, which must be the same machine again.
+        let again = fixed.parts.iter().any(|p| p.matrices.is_some()).then(|| read_meshes(&fixed)).transpose()?;
+        if let Some(again) = &again {
+            inputs(machine, &meshes)?.extend(&inputs_of(again)?)?;
+        }
+        let meshes = again.as_ref().unwrap_or(&meshes);
         at_position(&fixed, meshes, cache, position, elastic, interrupt)
     };
     Ok([one(SurfaceCoupling::Distributing)?, one(SurfaceCoupling::Rigid)?])

@@ -1,24 +1,26 @@
 //! Superelements on disk, by the hash of everything they depend on.
 //!
-//! A file holds a magic word, the format version, the payload's length and BLAKE3 hash, and the
-//! payload: little-endian 64-bit integers and floats in the order of the struct's fields. A file that
-//! does not match its own hash is reported and rebuilt, never trusted. Files are written aside and
-//! renamed.
+//! A file holds a magic word, the format version, the payload's length and BLAKE3 hash, the key of the part that it
+//! belongs to, and the payload: little-endian 64-bit integers and floats in the order of the struct's fields. The key
+//! hashes what the machine file says of the part and the bytes that were parsed of its files
+//! ([`Inputs`](crate::files::Inputs)); nothing is read again for it. A file that does not match its own hash, or is that
+//! of another part, is reported and rebuilt, never trusted. Files are written aside and renamed, with the permissions
+//! that the umask leaves, so that a team may share a folder.
 
 use super::skin::ReducedSkin;
 use super::superelement::{ReducedInterface, ReducedRail};
 use super::{Beyond, ReductionError, ReductionRequest, Superelement, reduce};
+use crate::files::aside;
 use crate::interrupt::Interrupt;
-use crate::mesh::{Mesh, included_files};
+use crate::mesh::Mesh;
 use crate::solid::{Face, Surface};
 use nalgebra::{DMatrix, Matrix3};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 16] = b"stiffmap-reduced";
 /// Raised whenever the layout or the numbers of a superelement change.
-const VERSION: u64 = 12;
-const HEADER: usize = 16 + 8 + 8 + 32;
+const VERSION: u64 = 13;
+const HEADER: usize = 16 + 8 + 8 + 32 + 32;
 
 /// Why the cache could not serve.
 #[derive(Debug, thiserror::Error)]
@@ -69,40 +71,14 @@ impl Cache {
         &self.folder
     }
 
-    /// The file in which a request's superelement is kept.
-    ///
-    /// # Errors
-    /// [`CacheError::Io`] if the mesh cannot be read.
-    pub fn file(&self, request: &ReductionRequest) -> Result<PathBuf, CacheError> {
-        let part = &request.part;
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&VERSION.to_le_bytes());
-        let described = (
-            &part.name,
-            &part.material,
-            (&part.clamped, &part.supported, &part.interfaces),
-            (part.mesh_units, part.plain_bricks, part.placement),
-            part.matrices.as_ref().map(|m| {
-                let files = [&m.dofs, &m.nodes, &m.sets].map(Option::is_some);
-                (&m.stiffness_name, &m.mass_name, m.free, m.with_mesh, &m.interfaces, files)
-            }),
-            (request.component, request.reach),
-            &request.rails,
-        );
-        hasher.update(format!("{described:?}").as_bytes());
-        for file in part.files() {
-            let content =
-                std::fs::read(file).map_err(|source| CacheError::Io { file: file.display().to_string(), source })?;
-            hasher.update(file.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default().as_bytes());
-            hasher.update(&(content.len() as u64).to_le_bytes());
-            hasher.update(&content);
-            for included in included_files(&content, file) {
-                let content = std::fs::read(&included)
-                    .map_err(|source| CacheError::Io { file: included.display().to_string(), source })?;
-                hasher.update(&content);
-            }
-        }
-        Ok(self.folder.join(format!("{}.superelement", &hasher.finalize().to_hex()[..32])))
+    /// The file in which a request's superelement is kept; none for a mesh that was made in memory, of which nothing
+    /// is known that could be compared.
+    pub fn file(&self, request: &ReductionRequest, mesh: &Mesh) -> Option<PathBuf> {
+        Some(self.place(&key(request, mesh)?))
+    }
+
+    fn place(&self, key: &blake3::Hash) -> PathBuf {
+        self.folder.join(format!("{}.superelement", &key.to_hex()[..32]))
     }
 
     /// The superelement of a request, read if it is there and whole, otherwise computed and kept.
@@ -116,34 +92,58 @@ impl Cache {
         interrupt: Option<&Interrupt>,
     ) -> Result<Cached, ReductionError> {
         let mut warnings = Vec::new();
-        let file = match self.file(request) {
-            Ok(file) => file,
-            Err(_) => {
-                return reduce(request, mesh, interrupt).map(|superelement| Cached {
-                    superelement,
-                    hit: false,
-                    warnings,
-                });
-            }
+        let Some(key) = key(request, mesh) else {
+            let superelement = reduce(request, mesh, interrupt)?;
+            return Ok(Cached { superelement, hit: false, warnings });
         };
-        match read(&file) {
+        let file = self.place(&key);
+        match read(&file, &key) {
             Ok(Some(superelement)) => return Ok(Cached { superelement, hit: true, warnings }),
             Ok(None) => {}
             Err(error) => warnings.push(error),
         }
         let superelement = reduce(request, mesh, interrupt)?;
-        if let Err(error) = write(&file, &superelement) {
+        if let Err(error) = write(&file, &key, &superelement) {
             warnings.push(error);
         }
         Ok(Cached { superelement, hit: false, warnings })
     }
 }
 
+/// The hash of all that a superelement depends on.
+fn key(request: &ReductionRequest, mesh: &Mesh) -> Option<blake3::Hash> {
+    let part = &request.part;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&VERSION.to_le_bytes());
+    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    let described = (
+        &part.name,
+        &part.material,
+        (&part.clamped, &part.supported, &part.interfaces),
+        (part.mesh_units, part.plain_bricks, part.placement),
+        part.matrices.as_ref().map(|m| {
+            let files = [&m.dofs, &m.nodes, &m.sets].map(Option::is_some);
+            (&m.stiffness_name, &m.mass_name, m.free, m.with_mesh, &m.interfaces, files)
+        }),
+        (request.component, request.reach),
+        &request.rails,
+    );
+    hasher.update(format!("{described:?}").as_bytes());
+    let files = mesh.inputs.files();
+    for file in files {
+        let extension = file.path.extension().unwrap_or_default().to_string_lossy();
+        hasher.update(&(extension.len() as u64).to_le_bytes());
+        hasher.update(extension.as_bytes());
+        hasher.update(file.hash.as_bytes());
+    }
+    (!files.is_empty()).then(|| hasher.finalize())
+}
+
 fn io_error(file: &Path) -> impl Fn(std::io::Error) -> CacheError + '_ {
     |source| CacheError::Io { file: file.display().to_string(), source }
 }
 
-fn read(file: &Path) -> Result<Option<Superelement>, CacheError> {
+fn read(file: &Path, key: &blake3::Hash) -> Result<Option<Superelement>, CacheError> {
     let bytes = match std::fs::read(file) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -159,29 +159,25 @@ fn read(file: &Path) -> Result<Option<Superelement>, CacheError> {
     if version != VERSION || length != payload.len() as u64 {
         return Err(damaged(format!("version {version}, {} of {length} bytes", payload.len())));
     }
-    if blake3::hash(payload).as_bytes() != &bytes[32..HEADER] {
+    if &bytes[64..HEADER] != key.as_bytes() {
+        return Err(damaged("it is the file of another part, or of another state of this one".into()));
+    }
+    if blake3::hash(payload).as_bytes() != &bytes[32..64] {
         return Err(damaged("its hash does not match its content".into()));
     }
     let mut reader = Reader { bytes: payload };
     reader.superelement().map(Some).ok_or_else(|| damaged("its content ends early".into()))
 }
 
-fn write(file: &Path, superelement: &Superelement) -> Result<(), CacheError> {
-    let failed = io_error(file);
-    let folder = file.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(&failed)?;
+fn write(file: &Path, key: &blake3::Hash, superelement: &Superelement) -> Result<(), CacheError> {
+    std::fs::create_dir_all(aside::folder_of(file)).map_err(io_error(file))?;
     let mut payload = Writer::default();
     payload.superelement(superelement);
     let payload = payload.bytes;
-    let mut aside = tempfile::Builder::new().prefix(".superelement").tempfile_in(folder).map_err(&failed)?;
-    let mut put = |bytes: &[u8]| aside.write_all(bytes);
-    put(MAGIC).map_err(&failed)?;
-    put(&VERSION.to_le_bytes()).map_err(&failed)?;
-    put(&(payload.len() as u64).to_le_bytes()).map_err(&failed)?;
-    put(blake3::hash(&payload).as_bytes()).map_err(&failed)?;
-    put(&payload).map_err(&failed)?;
-    aside.persist(file).map_err(|error| failed(error.error))?;
-    Ok(())
+    let hash = blake3::hash(&payload);
+    let (version, length) = (VERSION.to_le_bytes(), (payload.len() as u64).to_le_bytes());
+    let pieces = [&MAGIC[..], &version, &length, hash.as_bytes(), key.as_bytes(), &payload];
+    aside::write(file, &pieces).map_err(io_error(file))
 }
 
 #[derive(Default)]

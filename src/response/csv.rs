@@ -2,6 +2,7 @@
 
 use super::sampling::Piece;
 use super::{Forces, Path, ResponseError};
+use crate::files::Inputs;
 use std::path::{Path as File, PathBuf};
 
 /// Numbers of a CSV file with a heading line; the first column is the time in s.
@@ -15,12 +16,9 @@ fn failed(file: &File, line: Option<usize>, problem: impl Into<String>) -> Respo
     ResponseError::File { file: file.display().to_string(), line, problem: problem.into() }
 }
 
-fn read(file: &File) -> Result<Table, ResponseError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .from_path(file)
-        .map_err(|error| failed(file, None, error.to_string()))?;
+fn read(file: &File, inputs: &mut Inputs) -> Result<Table, ResponseError> {
+    let bytes = inputs.read(file).map_err(|error| failed(file, None, error.to_string()))?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(&bytes[..]);
     let headings: Vec<String> =
         reader.headers().map_err(|error| failed(file, Some(1), error.to_string()))?.iter().map(str::to_owned).collect();
     let mut rows: Vec<(usize, Vec<f64>)> = Vec::new();
@@ -59,6 +57,8 @@ fn read(file: &File) -> Result<Table, ResponseError> {
 pub struct ForceFile {
     file: PathBuf,
     table: Table,
+    /// The file as it was read.
+    pub inputs: Inputs,
 }
 
 impl ForceFile {
@@ -67,7 +67,8 @@ impl ForceFile {
     /// # Errors
     /// [`ResponseError::File`] with the line for what is not a number or not ascending.
     pub fn read(file: &File) -> Result<Self, ResponseError> {
-        Ok(Self { file: file.to_path_buf(), table: read(file)? })
+        let mut inputs = Inputs::default();
+        Ok(Self { file: file.to_path_buf(), table: read(file, &mut inputs)?, inputs })
     }
 
     /// Time of the last line, s.
@@ -138,12 +139,12 @@ pub fn read_force_file(file: &File, forces: &mut Forces) -> Result<Vec<String>, 
     ForceFile::read(file)?.add_to(forces)
 }
 
-/// The path of a CSV file with the headings `time_s,position_m`.
+/// The path of a CSV file with the headings `time_s,position_m`; the file as it was read is added to `inputs`.
 ///
 /// # Errors
 /// [`ResponseError::File`] with the line.
-pub fn read_path_file(file: &File) -> Result<Path, ResponseError> {
-    let table = read(file)?;
+pub fn read_path_file(file: &File, inputs: &mut Inputs) -> Result<Path, ResponseError> {
+    let table = read(file, inputs)?;
     if table.headings != ["time_s", "position_m"] {
         let problem = format!("the headings are {}; allowed: time_s,position_m", table.headings.join(","));
         return Err(failed(file, Some(1), problem));

@@ -3,6 +3,7 @@
 use super::study::Study;
 use super::table::{header, read_rows};
 use super::table_error::{TableError, io};
+use crate::files::{Inputs, MANIFEST, SWEEP_RECORD};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -47,7 +48,8 @@ pub struct Record {
     pub version: String,
     /// Name of the study.
     pub study: String,
-    /// BLAKE3 of every input by file name: study, machine, meshes.
+    /// BLAKE3 of every file that was read, by its path relative to the study: study, machine, meshes with all that they
+    /// include, matrices with their tables.
     pub inputs: Vec<(String, String)>,
     /// Designs of the whole sample.
     pub designs: u64,
@@ -62,36 +64,24 @@ pub struct Record {
 }
 
 /// Name of the record beside a table.
-pub const RECORD: &str = "sweep.json";
+pub const RECORD: &str = SWEEP_RECORD;
 /// Name of the table.
 pub const TABLE: &str = "designs.csv";
 
 impl Record {
-    /// The record of a sweep by a route.
-    ///
-    /// # Errors
-    /// [`TableError::Io`] if an input cannot be read.
-    pub fn new(study: &Study, route: &str, shard: Shard) -> Result<Self, TableError> {
-        let mut inputs: Vec<(String, String)> = Vec::new();
-        let meshes = study.machine.parts.iter().map(|part| &part.mesh);
-        for path in [&study.file, &study.machine.file].into_iter().chain(meshes) {
-            let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-            let bytes = std::fs::read(path).map_err(io(path, "read"))?;
-            let hash = (name, blake3::hash(&bytes).to_hex().to_string());
-            if !inputs.contains(&hash) {
-                inputs.push(hash);
-            }
-        }
-        Ok(Self {
+    /// The record of a sweep by a route; `inputs` are all files that it was made from.
+    pub fn new(study: &Study, inputs: &Inputs, route: &str, shard: Shard) -> Self {
+        let folder = study.file.parent().unwrap_or(Path::new(""));
+        Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             study: study.name.clone(),
-            inputs,
+            inputs: inputs.named(folder),
             designs: study.sampling.designs,
             positions: study.positions.len() as u64,
             route: route.to_owned(),
             shard: shard.number,
             shards: shard.of,
-        })
+        }
     }
 
     /// Reads the record of a folder; `None` if there is none.
@@ -149,9 +139,10 @@ impl Record {
 /// The table that the shards in some folders make up, as one run would have written it.
 ///
 /// # Errors
+/// [`TableError::NoEnd`] for a folder without manifest,
 /// [`TableError::Differs`] for a shard of other inputs, [`TableError::Gap`] and [`TableError::Overlap`] with the
 /// designs, [`TableError::Record`], [`TableError::Damaged`], [`TableError::Io`].
-pub fn merge(study: &Study, folders: &[PathBuf]) -> Result<(Record, Vec<u8>), TableError> {
+pub fn merge(study: &Study, inputs: &Inputs, folders: &[PathBuf]) -> Result<(Record, Vec<u8>), TableError> {
     let mut shards: Vec<(Record, &PathBuf)> = Vec::new();
     for folder in folders {
         let record = Record::read(folder)?
@@ -160,7 +151,7 @@ pub fn merge(study: &Study, folders: &[PathBuf]) -> Result<(Record, Vec<u8>), Ta
     }
     shards.sort_by_key(|(record, _)| (record.range().start, record.range().end));
     let route = shards.first().map_or("", |(record, _)| record.route.as_str());
-    let whole = Record::new(study, route, Shard::WHOLE)?;
+    let whole = Record::new(study, inputs, route, Shard::WHOLE);
     for (record, folder) in &shards {
         whole.check_same(record, folder, false)?;
     }
@@ -186,6 +177,10 @@ pub fn merge(study: &Study, folders: &[PathBuf]) -> Result<(Record, Vec<u8>), Ta
         if rows < range.end - range.start {
             let why = format!("{} is not finished; continue it with --resume", folder.display());
             return gap(range.start + rows, range.end, why);
+        }
+        // All rows are there, but the job that wrote them did not come to its end, or goes on.
+        if !folder.join(MANIFEST).is_file() {
+            return Err(TableError::NoEnd { path: (*folder).clone() });
         }
         text.extend_from_slice(&table[header(study).len()..end as usize]);
         (next, before) = (range.end, Some(*folder));

@@ -8,6 +8,7 @@ use super::sampling::{Sampling, read_sampling};
 use super::study_error::StudyError;
 use super::variable_reading::read_variables;
 use super::variables::{Variable, design};
+use crate::files::Inputs;
 use crate::machine::table::{Bound as Sign, Item, Source, Table};
 use crate::machine::{Dimension, Machine, MachineError, read_damping, read_machine};
 use std::path::{Path, PathBuf};
@@ -42,6 +43,8 @@ pub struct Study {
     pub band: [f64; 2],
     /// How the best design is looked for.
     pub search: Search,
+    /// Study and machine file as they were read.
+    pub inputs: Inputs,
 }
 
 impl Study {
@@ -130,7 +133,8 @@ impl Study {
 /// wrong in the study or in its machine file.
 pub fn read_study(path: &Path) -> Result<Study, StudyError> {
     let unreadable = |source| StudyError::Unreadable { file: path.to_path_buf(), source };
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let mut inputs = Inputs::default();
+    let text = inputs.read_text(path).map_err(unreadable)?;
     let source = Source { path, text: &text };
     let document = DeTable::parse(&text).map_err(|error| {
         let (line, column) = source.line_column(error.span().map_or(0, |span| span.start));
@@ -138,6 +142,7 @@ pub fn read_study(path: &Path) -> Result<Study, StudyError> {
     })?;
     let root = Table::root(&source, document.get_ref());
     let mut machine = read_its_machine(&root, path)?;
+    inputs.extend(&machine.inputs)?;
     if let Some(item) = root.get("damping") {
         machine.analysis.damping = read_damping(&item)?;
     }
@@ -178,6 +183,7 @@ pub fn read_study(path: &Path) -> Result<Study, StudyError> {
         positions,
         band,
         search,
+        inputs,
     };
     check_columns(&study, &whole)?;
     Ok(study)

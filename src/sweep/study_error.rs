@@ -1,5 +1,6 @@
 //! What is wrong with a study file.
 
+use crate::files::InputError;
 use crate::machine::{MachineError, Place};
 use std::path::PathBuf;
 
@@ -9,6 +10,9 @@ pub enum StudyError {
     /// A key, value or name of the study or its machine file is wrong.
     #[error(transparent)]
     File(#[from] MachineError),
+    /// A file was edited between two readings.
+    #[error(transparent)]
+    Inputs(#[from] InputError),
     /// The study file is missing, is not text, or may not be read.
     #[error("{}: cannot read the study file: {source}; name a study file in UTF-8 (`stiffmap init DIR` writes two)", file.display())]
     Unreadable {

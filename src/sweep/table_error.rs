@@ -27,6 +27,26 @@ pub enum TableError {
         /// The table.
         path: PathBuf,
     },
+    /// All rows are there, but no manifest.
+    #[error("{}: no manifest.json is there, so the sweep that wrote the folder did not finish; continue it with --resume", path.display())]
+    NoEnd {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A complete table of something else is in the way.
+    #[error("{}: a complete table of other inputs is there: {difference}; replace it with --overwrite, or choose another folder with --out", path.display())]
+    Other {
+        /// The table.
+        path: PathBuf,
+        /// What is not as it is here.
+        difference: String,
+    },
+    /// A table without the record that says what it belongs to.
+    #[error("{}: there is no sweep.json beside it, so nobody knows what it belongs to; begin anew with --overwrite, or choose another folder with --out", path.display())]
+    NoRecord {
+        /// The table.
+        path: PathBuf,
+    },
     /// The table belongs to other inputs.
     #[error("{}: {what} is {seen} there and {expected} here; nothing of it can be used: restore what was changed, or choose another folder with --out", path.display())]
     Differs {

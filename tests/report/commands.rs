@@ -53,7 +53,7 @@ fn a_folder_without_a_database_or_with_a_broken_one_is_refused() {
     let bytes = std::fs::read(mill().join("modal_database.bin")).unwrap();
     std::fs::copy(mill().join("manifest.json"), empty.join("manifest.json")).unwrap();
     for (broken, reason) in
-        [(&bytes[1..], "first bytes"), (&bytes[..1000], "header"), (&bytes[..bytes.len() / 4], "array")]
+        [(&bytes[1..], "first bytes"), (&bytes[..1000], "damaged"), (&bytes[..bytes.len() / 4], "damaged")]
     {
         std::fs::write(empty.join("modal_database.bin"), broken).unwrap();
         let run = program().arg("figures").arg(&empty).output().unwrap();

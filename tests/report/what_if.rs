@@ -95,7 +95,7 @@ fn rows(numbers: &[f64]) -> Vec<Responses> {
 
 /// The map that a modal database holds the sums of.
 fn summed_from(file: &Path) -> Vec<Responses> {
-    let database = Database::read(file).unwrap();
+    let database = Database::read(file).unwrap().0;
     let (positions, frequencies) = database.axes().unwrap();
     let map = modal_sum(&FrfRequest {
         positions: &positions,

@@ -2,6 +2,7 @@
 
 use super::{mill, names};
 use std::io::Write;
+use stiffmap::files::Inputs;
 use stiffmap::response::{CutterPort, Forces, parse_force, parse_milling, read_force_file, read_path_file};
 
 fn sampled(text: &str, duration: f64, rate: f64) -> Vec<f64> {
@@ -124,10 +125,18 @@ fn wrong_files_are_refused_with_their_line() {
         let error = error.to_string();
         assert!(parts.iter().all(|p| error.contains(p)), "{text:?}: {error}");
     }
-    let error = read_path_file(&file(folder.path(), "time_s,place\n0,1\n1,2\n")).unwrap_err().to_string();
+    let error = read_path_file(&file(folder.path(), "time_s,place\n0,1\n1,2\n"), &mut Inputs::default())
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("allowed: time_s,position_m"), "{error}");
-    let path = read_path_file(&file(folder.path(), "time_s,position_m\n0,-0.1\n2,-0.3\n")).unwrap();
+    let path =
+        read_path_file(&file(folder.path(), "time_s,position_m\n0,-0.1\n2,-0.3\n"), &mut Inputs::default()).unwrap();
     assert!((path.at(1.0) + 0.2).abs() < 1e-15 && path.at(5.0) == -0.3 && path.at(-1.0) == -0.1);
     assert_eq!(path.range(), [-0.3, -0.1]);
-    assert!(read_path_file(std::path::Path::new("nowhere.csv")).unwrap_err().to_string().contains("nowhere.csv"));
+    assert!(
+        read_path_file(std::path::Path::new("nowhere.csv"), &mut Inputs::default())
+            .unwrap_err()
+            .to_string()
+            .contains("nowhere.csv")
+    );
 }

@@ -76,6 +76,7 @@ pub fn ratio(zeta: f64) -> Damping {
 pub fn fixed_machine(parts: Vec<Part>, joints: Vec<Joint>, port: InterfaceRef) -> Machine {
     Machine {
         name: "test".into(),
+        inputs: Default::default(),
         file: "machine.toml".into(),
         axis: Axis {
             name: "z".into(),

@@ -1,8 +1,8 @@
 //! `modal_database.bin`: what the report page and the pictures are made from.
 //!
-//! Sixteen bytes `stiffmap-modal-1`, the length of the header (64-bit, little-endian), the header as
-//! JSON, zeros up to a multiple of eight bytes, the arrays that the header lists. `docs/report.md`
-//! describes each.
+//! Sixteen bytes `stiffmap-modal-2`, the BLAKE3 hash of all that follows (32 bytes), the length of the header (64-bit,
+//! little-endian), the header as JSON, zeros up to a multiple of eight bytes, the arrays that the header lists.
+//! `docs/report.md` describes each. A file that does not match its hash is refused.
 
 use super::ReportError;
 use super::arrays::Arrays;
@@ -21,7 +21,9 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::Path;
 
-const MAGIC: &[u8; 16] = b"stiffmap-modal-1";
+const MAGIC: &[u8; 16] = b"stiffmap-modal-2";
+/// Bytes of the hash behind it.
+const HASH: usize = 32;
 
 /// The results of a run that a database is made of.
 #[derive(Clone, Copy, Debug)]
@@ -164,6 +166,7 @@ impl Database {
             table: input.table.iter().map(table_entry).collect(),
             veerings: families.veerings.iter().map(veering_entry).collect(),
             free_motions: input.free_motions.to_vec(),
+            input_hashes: Vec::new(),
             parts,
             arrays: arrays.entries.clone(),
         };
@@ -174,36 +177,48 @@ impl Database {
     pub fn bytes(&self) -> Vec<u8> {
         let header = serde_json::to_vec(&self.header).expect("names and finite numbers are JSON");
         let mut bytes = MAGIC.to_vec();
+        bytes.extend_from_slice(&[0; HASH]);
         bytes.extend_from_slice(&(header.len() as u64).to_le_bytes());
         bytes.extend_from_slice(&header);
         bytes.resize(bytes.len().next_multiple_of(8), 0);
         bytes.extend_from_slice(&self.arrays.bytes);
+        let (head, content) = bytes.split_at_mut(MAGIC.len() + HASH);
+        head[MAGIC.len()..].copy_from_slice(blake3::hash(content).as_bytes());
         bytes
     }
 
-    /// Writes the database.
+    /// Writes the database; returns the hash of its content, by which a manifest knows its own.
     ///
     /// # Errors
     /// [`ReportError::Export`].
-    pub fn write(&self, path: &Path) -> Result<(), ReportError> {
-        Ok(atomic::write_bytes(path, &self.bytes())?)
+    pub fn write(&self, path: &Path) -> Result<String, ReportError> {
+        let bytes = self.bytes();
+        atomic::write_bytes(path, &bytes)?;
+        Ok(blake3::hash(&bytes[MAGIC.len() + HASH..]).to_hex().to_string())
     }
 
-    /// Reads a database.
+    /// Reads a database, with the hash of its content.
     ///
     /// # Errors
-    /// [`ReportError::Missing`] if it cannot be read, [`ReportError::NoDatabase`] if it is none.
-    pub fn read(path: &Path) -> Result<Self, ReportError> {
+    /// [`ReportError::Missing`] if it cannot be read, [`ReportError::NoDatabase`] if it is none or is damaged.
+    pub fn read(path: &Path) -> Result<(Self, String), ReportError> {
         let file = std::fs::read(path).map_err(|source| ReportError::Missing { path: path.into(), source })?;
         let wrong = |reason: &str| ReportError::NoDatabase { path: path.into(), reason: reason.into() };
-        let rest = file.strip_prefix(MAGIC).ok_or_else(|| wrong("its first bytes are not those of one"))?;
-        let (length, rest) = rest.split_first_chunk::<8>().ok_or_else(|| wrong("it ends early"))?;
+        let rest = file
+            .strip_prefix(MAGIC)
+            .ok_or_else(|| wrong("its first bytes are not those of one that this version wrote; run again"))?;
+        let (hash, content) = rest.split_first_chunk::<HASH>().ok_or_else(|| wrong("it ends early"))?;
+        let found = blake3::hash(content);
+        if found.as_bytes() != hash {
+            return Err(wrong("it is damaged: its content does not match its hash; run again"));
+        }
+        let (length, rest) = content.split_first_chunk::<8>().ok_or_else(|| wrong("it ends early"))?;
         let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
         let header = rest.get(..length).ok_or_else(|| wrong("its header ends early"))?;
         let header: Header = serde_json::from_slice(header).map_err(|e| wrong(&e.to_string()))?;
-        let start = (MAGIC.len() + 8 + length).next_multiple_of(8);
+        let start = (MAGIC.len() + HASH + 8 + length).next_multiple_of(8);
         let bytes = file.get(start..).ok_or_else(|| wrong("its arrays are missing"))?.to_vec();
-        Ok(Self { arrays: Arrays { entries: header.arrays.clone(), bytes }, header })
+        Ok((Self { arrays: Arrays { entries: header.arrays.clone(), bytes }, header }, found.to_hex().to_string()))
     }
 
     fn floats(&self, name: &str) -> Option<Vec<f64>> {

@@ -55,6 +55,9 @@ pub struct Header {
     pub veerings: Vec<VeeringEntry>,
     /// Free motions in words.
     pub free_motions: Vec<String>,
+    /// Hashes of the files that the run read, as in its manifest.
+    #[serde(default)]
+    pub input_hashes: Vec<(String, String)>,
     /// Places of the parts in the skins.
     pub parts: Vec<PartSkin>,
     /// Arrays.

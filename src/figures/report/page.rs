@@ -36,6 +36,7 @@ const IN_WORKERS: usize = 6;
 ///
 /// `manifest` is the run's manifest as JSON.
 pub fn page(database: &Database, manifest: &str) -> String {
+    let bytes = database.bytes();
     let pieces = [
         ("{{title}}", escape(&database.header.machine)),
         ("{{style}}", include_str!("page/style.css").to_owned()),
@@ -45,7 +46,8 @@ pub fn page(database: &Database, manifest: &str) -> String {
         // The page asks for one pair at a time.
         ("{{modal_sum.wgsl}}", Variant::new(Kernel::ModalSum, Precision::F32, 1).source()),
         ("{{manifest}}", manifest.replace("</", "<\\/")),
-        ("{{database}}", base64::encode(&database.bytes())),
+        ("{{database}}", base64::encode(&bytes)),
+        ("{{checksum}}", format!("{:08x}", checksum(&bytes))),
         ("{{worker.js}}", SCRIPTS[..IN_WORKERS].join("\n")),
         ("{{page.js}}", SCRIPTS[IN_WORKERS..].join("\n")),
     ];
@@ -69,6 +71,12 @@ pub fn page(database: &Database, manifest: &str) -> String {
 /// [`ReportError::Export`].
 pub fn write_page(path: &Path, database: &Database, manifest: &str) -> Result<(), ReportError> {
     Ok(atomic::write_bytes(path, page(database, manifest).as_bytes())?)
+}
+
+/// FNV-1a, by which the page knows that its database is whole: each step is a bijection, so one changed byte always
+/// changes the sum.
+fn checksum(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0x811c_9dc5, |sum, byte| (sum ^ u32::from(*byte)).wrapping_mul(0x0100_0193))
 }
 
 fn escape(text: &str) -> String {

@@ -1,8 +1,10 @@
 //! The text of an input file with the files that it includes in their places.
 //!
+//! A file that is included many times is held once, and its text stands in the whole as often as it is asked for.
 //! Lines are numbered through the whole; [`Source::spot`] finds file and line of a number again.
 
 use super::lines::{canonical, parameters, split, unquoted};
+use crate::files::Inputs;
 use crate::mesh::{MeshError, Spot};
 use std::path::{Path, PathBuf};
 
@@ -10,16 +12,32 @@ type Result<T> = std::result::Result<T, MeshError>;
 
 /// Includes in includes.
 const DEEPEST: usize = 16;
-/// Files, and bytes of text, of one input file with everything that it includes.
-const MOST_FILES: usize = 1000;
+/// `*INCLUDE` lines that are followed in one input file with everything that it includes, and bytes of its files.
+const MOST_INCLUDES: usize = 1000;
 const MOST_BYTES: u64 = 4 << 30;
+/// Bytes of text that stand in the whole because a file is included again.
+const MOST_AGAIN: u64 = 64 << 20;
 
-/// Files and the order of their pieces.
+/// Files, each held once however often it is included, and the order of their pieces.
 pub struct Source {
-    files: Vec<(PathBuf, String)>,
+    files: Vec<SourceFile>,
     pieces: Vec<Piece>,
+    /// Bytes of the files, of the text that includes repeat, and the includes followed.
     bytes: u64,
+    again: u64,
+    followed: usize,
     lines: usize,
+    /// The files as they were read.
+    pub inputs: Inputs,
+}
+
+/// A file with what it includes.
+struct SourceFile {
+    path: PathBuf,
+    /// The path without links, by which an include of it is known; none for the main file's bytes from elsewhere.
+    real: Option<PathBuf>,
+    text: String,
+    includes: Vec<Include>,
 }
 
 /// Consecutive lines of one file.
@@ -33,17 +51,41 @@ struct Piece {
 }
 
 impl Source {
-    /// Takes in a file's bytes and what they include, relative to the file's folder.
+    /// Reads a file and what it includes, relative to the file's folder.
+    pub fn read(file: &Path) -> Result<Self> {
+        let mut inputs = Inputs::default();
+        let bytes = super::read(file, &mut inputs)?;
+        Self::of(bytes, file, inputs)
+    }
+
+    /// Takes in a file's bytes and what they include.
     pub fn new(bytes: &[u8], file: &Path) -> Result<Self> {
-        let mut source = Source { files: Vec::new(), pieces: Vec::new(), bytes: bytes.len() as u64, lines: 0 };
-        source.take_in(text(bytes, file)?, file, &mut vec![file.to_path_buf()])?;
+        let mut inputs = Inputs::default();
+        inputs.add(file, bytes)?;
+        Self::of(bytes.to_vec(), file, inputs)
+    }
+
+    fn of(bytes: Vec<u8>, file: &Path, inputs: Inputs) -> Result<Self> {
+        let bytes_of_main = bytes.len() as u64;
+        let (files, pieces) = (Vec::new(), Vec::new());
+        let mut source = Source { files, pieces, bytes: bytes_of_main, again: 0, followed: 0, lines: 0, inputs };
+        let main = source.keep(bytes, file, file.canonicalize().ok())?;
+        source.take_in(main, &mut vec![main])?;
         Ok(source)
+    }
+
+    /// Keeps a file's text; its place in the list.
+    fn keep(&mut self, bytes: Vec<u8>, path: &Path, real: Option<PathBuf>) -> Result<usize> {
+        let text = text(bytes, path)?;
+        let includes = includes(&text);
+        self.files.push(SourceFile { path: path.to_path_buf(), real, text, includes });
+        Ok(self.files.len() - 1)
     }
 
     /// The whole text's lines, with their numbers.
     pub fn lines(&self) -> impl Iterator<Item = (usize, &str)> {
         self.pieces.iter().flat_map(|piece| {
-            let text = &self.files[piece.file].1[piece.from..piece.to];
+            let text = &self.files[piece.file].text[piece.from..piece.to];
             (piece.first..).zip(text.lines())
         })
     }
@@ -54,41 +96,33 @@ impl Source {
         match self.pieces.get(after.saturating_sub(1)) {
             Some(piece) => {
                 let line = (line + piece.first_in_file).saturating_sub(piece.first);
-                Spot { file: self.files[piece.file].0.clone(), line }
+                Spot { file: self.files[piece.file].path.clone(), line }
             }
-            None => Spot { file: self.files.first().map(|(file, _)| file.clone()).unwrap_or_default(), line },
+            None => Spot { file: self.files.first().map(|file| file.path.clone()).unwrap_or_default(), line },
         }
     }
 
     /// Whether the main file lacks its last line end.
     pub fn ends_without_line_end(&self) -> bool {
-        self.files.first().is_some_and(|(_, text)| !text.is_empty() && !text.ends_with('\n'))
+        self.files.first().is_some_and(|file| !file.text.is_empty() && !file.text.ends_with('\n'))
     }
 
-    fn take_in(&mut self, text: String, file: &Path, open: &mut Vec<PathBuf>) -> Result<()> {
-        let index = self.files.len();
-        let includes = includes(&text);
-        let length = text.len();
-        let line_count = text.lines().count();
-        self.files.push((file.to_path_buf(), text));
-        let (mut from, mut line) = (0, 1);
-        for Include { line: at, begins, ends, lines, path } in includes {
-            self.push(index, from..begins, line, at - line);
-            let spot = Spot { file: file.to_path_buf(), line: at };
-            let path = file.parent().unwrap_or(Path::new("")).join(path.ok_or_else(|| MeshError::Parameter {
-                spot: spot.clone(),
-                keyword: "INCLUDE",
-                seen: "the parameter INPUT is missing".into(),
-                allowed: "INPUT",
-                advice: "name the file",
-            })?);
-            let text = self.read(&path, open, spot)?;
-            open.push(path.clone());
-            self.take_in(text, &path, open)?;
+    /// Puts the pieces of a file and of what it includes into their order; `open` are the files that include it.
+    fn take_in(&mut self, file: usize, open: &mut Vec<usize>) -> Result<()> {
+        let includes = std::mem::take(&mut self.files[file].includes);
+        let taken: Result<(usize, usize)> = includes.iter().try_fold((0, 1), |(from, line), include| {
+            self.push(file, from..include.begins, line, include.line - line);
+            let included = self.included(file, include, open)?;
+            open.push(included);
+            self.take_in(included, open)?;
             open.pop();
-            (from, line) = (ends, at + lines);
-        }
-        self.push(index, from..length, line, (line_count + 1).saturating_sub(line));
+            Ok((include.ends, include.line + include.lines))
+        });
+        self.files[file].includes = includes;
+        let (from, line) = taken?;
+        let text = &self.files[file].text;
+        let (length, count) = (text.len(), text[from..].lines().count());
+        self.push(file, from..length, line, count);
         Ok(())
     }
 
@@ -98,40 +132,65 @@ impl Source {
         self.pieces.push(Piece { file, from: range.start, to: range.end, first, first_in_file });
     }
 
-    fn read(&mut self, path: &Path, open: &[PathBuf], spot: Spot) -> Result<String> {
-        let refuse = |reason: String| MeshError::Include { spot: spot.clone(), include: path.to_path_buf(), reason };
-        let same = |other: &PathBuf| other.canonicalize().ok().is_some_and(|a| path.canonicalize().ok() == Some(a));
-        if open.iter().any(same) {
-            return Err(refuse("the file includes itself; remove one of the two lines".into()));
-        }
-        if open.len() > DEEPEST || self.files.len() >= MOST_FILES {
+    /// The file that an include names, read unless it is held already.
+    fn included(&mut self, by: usize, include: &Include, open: &[usize]) -> Result<usize> {
+        let file = self.files[by].path.clone();
+        let spot = Spot { file: file.clone(), line: include.line };
+        let named = include.path.as_ref().ok_or_else(|| MeshError::Parameter {
+            spot: spot.clone(),
+            keyword: "INCLUDE",
+            seen: "the parameter INPUT is missing".into(),
+            allowed: "INPUT",
+            advice: "name the file",
+        })?;
+        let path = file.parent().unwrap_or(Path::new("")).join(named);
+        let refuse = |reason: String| MeshError::Include { spot: spot.clone(), include: path.clone(), reason };
+        self.followed += 1;
+        if open.len() > DEEPEST || self.followed > MOST_INCLUDES {
             return Err(refuse(format!(
-                "more than {DEEPEST} includes in each other or {MOST_FILES} in all; join the files"
+                "more than {DEEPEST} includes in each other or {MOST_INCLUDES} in all; join the files"
             )));
         }
-        let metadata =
-            std::fs::metadata(path).map_err(|e| refuse(format!("{e}; correct the name or the permissions")))?;
+        let failed = |e: std::io::Error| refuse(format!("{e}; correct the name or the permissions"));
+        let real = path.canonicalize().map_err(failed)?;
+        if let Some(known) = self.files.iter().position(|f| f.real.as_ref() == Some(&real)) {
+            if open.contains(&known) {
+                return Err(refuse("the file includes itself; remove one of the two lines".into()));
+            }
+            self.again += self.files[known].text.len() as u64;
+            if self.again > MOST_AGAIN {
+                return Err(refuse(format!(
+                    "files are included again, {} MB in all, and {} MB are allowed; include each file once",
+                    self.again >> 20,
+                    MOST_AGAIN >> 20
+                )));
+            }
+            return Ok(known);
+        }
+        let metadata = std::fs::metadata(&path).map_err(failed)?;
         self.bytes = self.bytes.saturating_add(metadata.len());
         if !metadata.is_file() || self.bytes > MOST_BYTES {
             return Err(refuse(format!("it is not a plain file, or the whole exceeds {MOST_BYTES} bytes")));
         }
-        let bytes = std::fs::read(path).map_err(|e| refuse(format!("{e}; correct the name or the permissions")))?;
-        text(&bytes, path)
+        let bytes = self.inputs.read(&path).map_err(failed)?;
+        self.keep(bytes, &path, Some(real))
     }
 }
 
-/// A file's bytes as text.
-fn text(bytes: &[u8], file: &Path) -> Result<String> {
-    let found = std::str::from_utf8(bytes).ok().filter(|text| !text.contains('\0'));
-    let text = found.ok_or_else(|| {
-        let valid = match std::str::from_utf8(bytes) {
-            Ok(text) => text.find('\0').unwrap_or(0),
-            Err(error) => error.valid_up_to(),
-        };
+/// A file's bytes as text, without a copy of them.
+fn text(bytes: Vec<u8>, file: &Path) -> Result<String> {
+    let refused = |bytes: &[u8], valid: usize| {
         let line = 1 + bytes[..valid].iter().filter(|&&b| b == b'\n').count();
         MeshError::NotText { spot: Spot { file: file.to_path_buf(), line } }
-    })?;
-    Ok(text.strip_prefix('\u{feff}').unwrap_or(text).to_owned())
+    };
+    let mut text = String::from_utf8(bytes).map_err(|e| refused(e.as_bytes(), e.utf8_error().valid_up_to()))?;
+    if let Some(zero) = text.find('\0') {
+        return Err(refused(text.as_bytes(), zero));
+    }
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
+    Ok(text)
 }
 
 /// An `*INCLUDE` line.
@@ -175,9 +234,4 @@ fn includes(text: &str) -> Vec<Include> {
         found.push(Include { line: number + 1, lines: taken, begins, ends: at, path });
     }
     found
-}
-
-/// The files that an input file's bytes include, and those that they include, as far as they can be read.
-pub fn included_files(bytes: &[u8], file: &Path) -> Vec<PathBuf> {
-    Source::new(bytes, file).map(|s| s.files.into_iter().skip(1).map(|(file, _)| file).collect()).unwrap_or_default()
 }

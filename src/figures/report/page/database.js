@@ -1,13 +1,13 @@
-// The modal database: a header and named arrays (docs/report.md). Read by the page and by its workers.
+// The modal database: a hash (for programs that read the file), a header and named arrays (docs/report.md). Read by the page and by its workers.
 "use strict";
 
 const ARRAY_TYPES = { f64: Float64Array, f32: Float32Array, u32: Uint32Array, i16: Int16Array };
 
 function openDatabase(buffer) {
   const bytes = new Uint8Array(buffer);
-  const length = Number(new DataView(buffer).getBigUint64(16, true));
-  const header = JSON.parse(new TextDecoder().decode(bytes.subarray(24, 24 + length)));
-  const start = Math.ceil((24 + length) / 8) * 8;
+  const length = Number(new DataView(buffer).getBigUint64(48, true));
+  const header = JSON.parse(new TextDecoder().decode(bytes.subarray(56, 56 + length)));
+  const start = Math.ceil((56 + length) / 8) * 8;
   const arrays = new Map();
   for (const entry of header.arrays) {
     const count = entry.shape.reduce((product, extent) => product * extent, 1);
@@ -19,6 +19,13 @@ function openDatabase(buffer) {
   const values = (name) => (arrays.has(name) ? arrays.get(name).values : null);
   const shape = (name) => arrays.get(name).shape;
   return { buffer, header, values, shape, positions: values("position"), frequencies: values("frequency") };
+}
+
+// FNV-1a over the bytes: each step is a bijection, so one changed byte always changes the sum.
+function checksum(buffer) {
+  let sum = 0x811c9dc5;
+  for (const byte of new Uint8Array(buffer)) sum = Math.imul(sum ^ byte, 0x01000193);
+  return (sum >>> 0).toString(16).padStart(8, "0");
 }
 
 function fromBase64(text) {

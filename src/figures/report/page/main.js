@@ -379,7 +379,12 @@ function fail(text) {
 }
 
 stiffmap.ready = (async () => {
-  const db = openDatabase(fromBase64($("database").textContent.trim()));
+  const element = $("database");
+  const bytes = fromBase64(element.textContent.trim());
+  if (checksum(bytes) !== element.dataset.checksum) {
+    throw new Error("the file is damaged; `stiffmap figures` writes it again from its folder");
+  }
+  const db = openDatabase(bytes);
   const manifest = JSON.parse($("manifest").textContent);
   const page = new Page(db, manifest);
   stiffmap.page = page;
