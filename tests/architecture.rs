@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The way of the data; a module uses only what stands before it.
-const ORDER: [&str; 19] = [
+const ORDER: [&str; 20] = [
     "interrupt",
+    "resources",
     "machine",
     "linalg",
     "matrix",

@@ -1,6 +1,6 @@
 //! `stiffmap export`: the assembled machine at a position, for another program.
 
-use super::{UsageError, at_least_one, cache_folder, machine_path, position};
+use super::{UsageError, at_least_one, cache_folder, machine_path, position, streams};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use nalgebra::DMatrix;
@@ -65,7 +65,7 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         let part = machine.parts.iter().position(|p| p.name == *name);
         let part = part.ok_or_else(|| UsageError(format!("--part: no part \"{name}\"; there are {}", names())))?;
         write_part(out, &machine.parts[part], &files[part].mesh)?;
-        eprintln!("wrote {name} to {}", out.display());
+        streams::say(&format!("wrote {name} to {}", out.display()));
         return Ok(());
     }
     let springs = pipeline::unreduced_springs(&machine, &files, position)?;
@@ -74,13 +74,13 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             let meshes: Vec<&Mesh> = files.iter().map(|f| &f.mesh).collect();
             write_deck(out, &machine, &meshes, &springs, modes)?;
             for difference in element_differences(&machine, &meshes) {
-                eprintln!("warning: {difference}");
+                streams::say(&format!("warning: {difference}"));
             }
         }
         Format::Mtx if arguments.full => write_full(out, &machine, &files, &springs)?,
         Format::Mtx => write_reduced(out, &machine, &files, position, interrupt)?,
     }
-    eprintln!("wrote {} at {} = {position} m to {}", machine.name, machine.axis.name, out.display());
+    streams::say(&format!("wrote {} at {} = {position} m to {}", machine.name, machine.axis.name, out.display()));
     Ok(())
 }
 

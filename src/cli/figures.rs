@@ -11,9 +11,9 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::modal::ModeFamilies;
 use stiffmap::pipeline::PipelineError;
 
-use super::UsageError;
 use super::map::Axes;
 use super::pictures::picture_map;
+use super::{UsageError, streams};
 
 /// A map larger than this is thinned for ParaView as for pictures, bytes.
 const LARGEST_SURFACES: u64 = 512 << 20;
@@ -145,7 +145,7 @@ pub fn figures(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     write_page(&page, &database, &record.to_string())?;
     files.push(page);
     for file in files {
-        eprintln!("{}", file.display());
+        streams::say(&file.display().to_string());
     }
     Ok(())
 }

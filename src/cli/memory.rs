@@ -2,6 +2,7 @@
 
 use super::UsageError;
 use stiffmap::export::mat5;
+use stiffmap::resources::room;
 
 /// Bytes where nothing is known of the machine's memory.
 const UNKNOWN: u64 = 1 << 30;
@@ -11,7 +12,7 @@ const SHARE: u64 = 4;
 /// Largest map that is held in memory, bytes: what `--map-memory` says, else a quarter of the memory that is available;
 /// never more than a variable of a MAT-file holds.
 pub fn map_limit(asked: Option<u64>) -> u64 {
-    let limit = asked.unwrap_or_else(|| available().map_or(UNKNOWN, |bytes| bytes / SHARE));
+    let limit = asked.unwrap_or_else(|| room().map_or(UNKNOWN, |room| room.bytes / SHARE));
     limit.min(mat5::LIMIT - (1 << 16))
 }
 
@@ -37,19 +38,6 @@ pub fn parse_size(text: &str) -> Result<u64, UsageError> {
             "\"{text}\" is no size; write a number of bytes, or `512MB`, `2GiB`; 0 always streams"
         ))),
     }
-}
-
-/// Bytes that a program can still take, as far as the system says.
-pub(super) fn available() -> Option<u64> {
-    let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
-    let memory = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
-        let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
-        line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| 1024 * kib)
-    });
-    // A container's own limit; "max" for none.
-    let group = number("/sys/fs/cgroup/memory.max")
-        .map(|limit| limit.saturating_sub(number("/sys/fs/cgroup/memory.current").unwrap_or(0)));
-    [memory, group].into_iter().flatten().min()
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::evaluator::{Chosen, Route, choose, reduce};
 use super::progress::Progress;
 use super::record;
 use super::run::{relative, slug};
+use super::streams;
 use super::sweep_figures::{Best, draw_best};
 use super::sweep_progress::Rate;
 use anyhow::{Context, Result};
@@ -153,7 +154,7 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     manifest.files = files;
     manifest.write(&manifest_file)?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&manifest)?);
+        streams::print_json(&manifest)?;
         return Ok(());
     }
     let mut lines = vec![format!("\n{}: {} evaluations, ended by {}", study.name, found.rows.len(), found.ended)];

@@ -6,7 +6,7 @@ use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{Look, write_report};
 use super::states::StateArguments;
-use super::{UsageError, cache_folder, frequencies, machine_path, record, summary};
+use super::{UsageError, cache_folder, frequencies, machine_path, record, streams, summary};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
@@ -240,7 +240,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let look = Look { systems: &systems, model: &model, superelements: &superelements };
     write(&outcome, &look, states, arguments, &mut progress, &mut manifest, interrupt)?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&manifest)?);
+        streams::print_json(&manifest)?;
     } else {
         summary::print(&outcome, &manifest, &progress);
     }

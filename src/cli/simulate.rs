@@ -5,7 +5,7 @@ use super::progress::Progress;
 use super::run::{figure, mesh_warnings, slug};
 use super::simulate_files::{self, Found, Outcome};
 use super::simulate_forces::sample;
-use super::{UsageError, cache_folder, machine_path, record};
+use super::{UsageError, cache_folder, machine_path, record, streams};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
@@ -144,7 +144,7 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let outcome = Outcome { machine: &machine, outputs: model.output_names(), forces: &forces, result, out };
     simulate_files::write(&outcome, arguments, &mut progress, &mut manifest, interrupt)?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&manifest)?);
+        streams::print_json(&manifest)?;
     } else {
         simulate_files::print(&outcome, &manifest, &progress);
     }

@@ -3,6 +3,7 @@
 use super::progress::Progress;
 use super::record;
 use super::run::relative;
+use super::streams;
 use super::sweep::Arguments;
 use super::sweep_figures::{Best, draw_best, draw_rows};
 use super::sweep_rates::rates;
@@ -110,7 +111,7 @@ pub fn write_results(
     record::seconds(&mut manifest, progress);
     manifest.write(&out.join("manifest.json"))?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&manifest)?);
+        streams::print_json(&manifest)?;
     } else {
         summarise(finished, best, &manifest, progress);
     }

@@ -1,6 +1,6 @@
 //! `stiffmap view`: the report page in the browser, from its file or served on this machine alone.
 
-use super::UsageError;
+use super::{UsageError, streams};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -41,7 +41,7 @@ pub fn view(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     if arguments.serve {
         return serve(&page, arguments.port, interrupt);
     }
-    eprintln!("{}", page.display());
+    streams::say(&format!("{}", page.display()));
     open(&page).with_context(|| format!("no browser was started; open {} in one", page.display()))
 }
 
@@ -68,8 +68,7 @@ fn serve(page: &Path, port: u16, interrupt: &Interrupt) -> Result<()> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| format!("--port {port}"))?;
     let port = listener.local_addr()?.port();
     listener.set_nonblocking(true)?;
-    println!("http://127.0.0.1:{port}/");
-    std::io::stdout().flush()?;
+    streams::print(&format!("http://127.0.0.1:{port}/\n"))?;
     while !interrupt.requested() {
         match listener.accept() {
             Ok((stream, _)) => {

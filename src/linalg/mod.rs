@@ -26,6 +26,16 @@ pub use ordering::Ordering;
 pub use shift_invert::{FreeSpectrum, shift_invert_modes};
 pub use sparse::{SparseBuilder, SparseSymmetric};
 
+use crate::interrupt::Interrupt;
+
+/// Ends a computation between two steps where the user has asked to stop.
+///
+/// # Errors
+/// [`LinalgError::Interrupted`].
+pub fn go_on(interrupt: Option<&Interrupt>) -> Result<(), LinalgError> {
+    if interrupt.is_some_and(Interrupt::requested) { Err(LinalgError::Interrupted) } else { Ok(()) }
+}
+
 /// What a linear-algebra routine could not do.
 #[derive(Debug, thiserror::Error)]
 pub enum LinalgError {

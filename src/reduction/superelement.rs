@@ -7,7 +7,7 @@ use super::flexibility::Flexibility;
 use super::skin::{ReducedSkin, reduced_skin};
 use super::{ReductionError, craig_bampton, free_interface};
 use crate::interrupt::Interrupt;
-use crate::linalg::{LinalgError, multiply, multiply_transposed};
+use crate::linalg::{LinalgError, go_on, multiply, multiply_transposed};
 use crate::machine::{ComponentAnalysis, Part, ReductionMethod};
 use crate::mesh::Mesh;
 use crate::solid::{InterfaceMotion, SecondOrder, Surface, assemble};
@@ -212,9 +212,12 @@ pub fn reduce(
     let part = &request.part;
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.name.clone(), source };
     let system = assemble(part, mesh)?;
+    let stop = || go_on(interrupt).map_err(failed);
+    stop()?;
     let ordering = system.ordering().map_err(failed)?;
+    stop()?;
     let flexibility = Flexibility::new(&system, &ordering).map_err(failed)?;
-    let motions = interface_motions(&system, request);
+    let motions = interface_motions(&system, request, interrupt).map_err(failed)?;
     let modes = ComponentModes {
         modes: request.component.modes,
         band: request.component.band,
@@ -235,7 +238,9 @@ pub fn reduce(
     } else {
         method(&part.name, &system, &ordering, &flexibility, &motions, modes)?
     };
+    stop()?;
     let (eigenvalues, vectors) = rayleigh_ritz(&part.name, &system, &flexibility.rigid, blocks)?;
+    stop()?;
     let beyond = Beyond::new(&part.name, &system, &vectors, beyond)?;
 
     let interfaces = system
@@ -289,7 +294,11 @@ fn reduced_rail(system: &SecondOrder, interface: usize, vectors: &DMatrix<f64>) 
 
 /// Interface motions as columns, n x m: six for every interface that is not a rail, the springs of
 /// the training footprints for the rails.
-fn interface_motions(system: &SecondOrder, request: &ReductionRequest) -> DMatrix<f64> {
+fn interface_motions(
+    system: &SecondOrder,
+    request: &ReductionRequest,
+    interrupt: Option<&Interrupt>,
+) -> Result<DMatrix<f64>, LinalgError> {
     let mut columns: Vec<DMatrix<f64>> = Vec::new();
     for (i, motion) in system.interfaces.iter().enumerate() {
         if !request.rails.iter().any(|r| r.interface == i) {
@@ -299,6 +308,7 @@ fn interface_motions(system: &SecondOrder, request: &ReductionRequest) -> DMatri
     for rail in &request.rails {
         let surface = &system.surfaces[rail.interface];
         for centre in rail.footprints(surface) {
+            go_on(interrupt)?;
             let weights = surface.weights_in_slab(rail.direction, centre, rail.footprint);
             let Some(motion) = InterfaceMotion::from_weights(&weights, |n| system.nodes[n]) else { continue };
             let rows = rail.springs.iter().map(|s| s.coefficients(rail.direction, centre, motion.centroid));
@@ -314,7 +324,7 @@ fn interface_motions(system: &SecondOrder, request: &ReductionRequest) -> DMatri
         all.columns_mut(at, block.ncols()).copy_from(block);
         at += block.ncols();
     }
-    all
+    Ok(all)
 }
 
 impl RailSpring {
