@@ -21,6 +21,7 @@ mod progress;
 mod record;
 mod report;
 mod run;
+mod serve;
 mod simulate;
 mod simulate_files;
 mod simulate_forces;
@@ -165,7 +166,7 @@ fn is_design_input(error: &SweepError) -> bool {
 
 /// An error with its causes, each said once.
 pub fn describe(error: &anyhow::Error) -> String {
-    error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
+    let said = error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
         if said.is_empty() {
             cause
         } else if said.contains(&cause) {
@@ -173,7 +174,8 @@ pub fn describe(error: &anyhow::Error) -> String {
         } else {
             format!("{said}: {cause}")
         }
-    })
+    });
+    streams::shortened(said)
 }
 
 /// The position asked for, or the first of the travel.

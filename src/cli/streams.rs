@@ -16,6 +16,19 @@ pub struct StreamError {
     source: std::io::Error,
 }
 
+/// Bytes of a message that are said: a line of 100 MB in an input file is quoted by its ends.
+const LONGEST: usize = 6000;
+
+/// A message with the middle left out where it is very long; what is at its end says what to do.
+pub fn shortened(message: String) -> String {
+    if message.len() <= LONGEST {
+        return message;
+    }
+    let (head, tail) =
+        (message.floor_char_boundary(LONGEST / 2), message.ceil_char_boundary(message.len() - LONGEST / 4));
+    format!("{} [.. {} bytes left out ..] {}", &message[..head], tail - head, &message[tail..])
+}
+
 /// A line on stderr, if stderr can be written.
 pub fn say(line: &str) {
     // One write a line, so that lines of other programs do not come in between; a failure is nobody's loss.
@@ -53,5 +66,19 @@ impl Write for Log {
 
     fn flush(&mut self) -> std::io::Result<()> {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_message_keeps_its_ends() {
+        assert_eq!(shortened("short".into()), "short");
+        // Two bytes a character, so that a cut at any byte would fall inside one.
+        let said = shortened(format!("file:1: found {}; shorten it", "ü".repeat(50_000)));
+        assert!(said.len() < 2 * LONGEST && said.starts_with("file:1: found") && said.ends_with("shorten it"));
+        assert!(said.contains("bytes left out"));
     }
 }

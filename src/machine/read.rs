@@ -8,6 +8,7 @@ use super::model::{Joint, Machine, Part};
 use super::parts::read_parts;
 use super::ports::read_ports;
 use super::table::{Source, Table};
+use std::io::Read;
 use std::path::Path;
 use toml::de::DeTable;
 
@@ -23,13 +24,13 @@ use toml::de::DeTable;
 pub fn read_machine(path: &Path) -> Result<Machine, MachineError> {
     let is_folder = path.is_dir();
     let file = if is_folder { path.join("machine.toml") } else { path.to_path_buf() };
-    let text = std::fs::read_to_string(&file).map_err(|source| MachineError::Unreadable {
+    let text = read_text(&file).map_err(|source| MachineError::Unreadable {
         file: file.clone(),
         source,
         advice: if is_folder {
             "name a machine file, or a folder that holds machine.toml (`stiffmap init DIR` writes one)"
         } else {
-            "name a machine file in UTF-8, or the folder of one (`stiffmap init DIR` writes one)"
+            "name a machine file in UTF-8 of at most 16 MiB, or the folder of one (`stiffmap init DIR` writes one)"
         },
     })?;
     let source = Source { path: &file, text: &text };
@@ -38,6 +39,18 @@ pub fn read_machine(path: &Path) -> Result<Machine, MachineError> {
         MachineError::Syntax { file: file.clone(), line, column, message: error.message().to_owned() }
     })?;
     read_document(Table::root(&source, document.get_ref()), &file)
+}
+
+/// Bytes of a machine file, at most: what is larger is a mesh by mistake, or a device that never ends.
+const LARGEST: u64 = 16 << 20;
+
+fn read_text(file: &Path) -> std::io::Result<String> {
+    let mut text = String::new();
+    std::fs::File::open(file)?.take(LARGEST + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LARGEST {
+        return Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, "it is larger than 16 MiB"));
+    }
+    Ok(text)
 }
 
 fn read_document(root: Table<'_>, file: &Path) -> Result<Machine, MachineError> {

@@ -175,6 +175,12 @@ impl Surface {
         self.faces.iter().map(of_face).collect()
     }
 
+    /// Mean length of the faces along a direction, m; 0 without faces.
+    pub fn element_length(&self, direction: [f64; 3]) -> f64 {
+        let ranges = self.face_ranges(direction);
+        ranges.iter().map(|(lo, hi)| hi - lo).sum::<f64>() / ranges.len().max(1) as f64
+    }
+
     fn weights(&self, cuts: &[HalfSpace]) -> Vec<(usize, f64)> {
         let mut total: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
         for face in &self.faces {
