@@ -226,6 +226,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     record::settings(&mut manifest, &machine, arguments, &truncation, model.frequency);
     record::damping(&mut manifest, &machine, projection.as_ref());
     record::map(&mut manifest, &axes, &map, limit);
+    record::memory(&mut manifest);
     manifest.counts.push("parts_from_cache", hits as u64);
     let free_motions = summary::free_motions(&solved, &model);
     manifest.settings.push("free_motions", json!(free_motions));

@@ -191,6 +191,14 @@ fn count_negative_pivots(
     Ok(negative)
 }
 
+/// Numbers in the factor of a matrix, from its pattern alone.
+///
+/// # Errors
+/// [`LinalgError::Factorisation`] if the pattern is none.
+pub fn factor_entries(a: &SparseSymmetric, ordering: &Ordering) -> Result<usize, LinalgError> {
+    Ok(analyse(a, ordering)?.len_val())
+}
+
 fn analyse(a: &SparseSymmetric, ordering: &Ordering) -> Result<SymbolicCholesky<usize>, LinalgError> {
     let n = a.n();
     assert_eq!(ordering.forward.len(), n, "unknowns of the ordering against the order of the matrix");

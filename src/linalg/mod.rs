@@ -12,7 +12,7 @@ mod ordering;
 mod shift_invert;
 mod sparse;
 
-pub use cholesky::{Cholesky, Indefinite};
+pub use cholesky::{Cholesky, Indefinite, factor_entries};
 pub use complex::{ComplexEigen, complex_eigen};
 pub use dense::{
     SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal,

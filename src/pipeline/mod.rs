@@ -4,6 +4,7 @@ mod mechanism;
 mod plausibility;
 mod projection;
 mod reduction_error;
+mod side_by_side;
 mod travel;
 
 pub use mechanism::mechanisms;
@@ -24,6 +25,7 @@ use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, 
 use crate::solid::{SolidError, interface_motions};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use side_by_side::side_by_side;
 
 /// Why a stage failed.
 #[derive(Debug, thiserror::Error)]
@@ -115,7 +117,7 @@ pub fn reduce_parts(
             made => Ok((i, made?)),
         }
     };
-    let mut parts = order.par_iter().with_max_len(1).map(one).collect::<Result<Vec<_>, _>>()?;
+    let mut parts = side_by_side(&order, &one)?;
     parts.sort_by_key(|(i, _)| *i);
     Ok(parts.into_iter().map(|(_, cached)| cached).collect())
 }

@@ -134,15 +134,20 @@ impl Superelement {
 }
 
 impl ReductionRequest {
-    /// Coordinates that the reduced part has at most; `surfaces` are those of its interfaces.
-    pub fn most_coordinates(&self, surfaces: &[Surface]) -> usize {
+    /// Interface motions at most; `surfaces` are those of its interfaces.
+    pub fn most_motions(&self, surfaces: &[Surface]) -> usize {
         let rails: std::collections::BTreeSet<usize> = self.rails.iter().map(|r| r.interface).collect();
         let motions = 6 * (self.part.interfaces.len() - rails.len());
         let trained: usize =
             self.rails.iter().map(|r| r.footprints(&surfaces[r.interface]).len() * r.springs.len()).sum();
+        motions + trained
+    }
+
+    /// Coordinates that the reduced part has at most; `surfaces` are those of its interfaces.
+    pub fn most_coordinates(&self, surfaces: &[Surface]) -> usize {
         let free = self.part.clamped.is_empty() && self.component.method == ReductionMethod::FreeInterface;
         let rigid = if free { 6 } else { 0 };
-        rigid + self.component.modes + (motions + trained) * if self.component.second_moment { 2 } else { 1 }
+        rigid + self.component.modes + self.most_motions(surfaces) * if self.component.second_moment { 2 } else { 1 }
     }
 }
 
@@ -216,6 +221,8 @@ pub fn reduce(
     stop()?;
     let ordering = system.ordering().map_err(failed)?;
     stop()?;
+    let sizes = (request.most_motions(&system.surfaces), request.component.modes, request.component.second_moment);
+    let _share = super::memory::share(&part.name, &system, &ordering, sizes, interrupt)?;
     let flexibility = Flexibility::new(&system, &ordering).map_err(failed)?;
     let motions = interface_motions(&system, request, interrupt).map_err(failed)?;
     let modes = ComponentModes {

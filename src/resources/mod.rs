@@ -8,6 +8,10 @@
 //!
 //! Source: Linux, Documentation/admin-guide/cgroup-v1/memory.rst and cgroup-v2.rst; proc(5).
 
+mod reserve;
+
+pub use reserve::{Share, foreseen, reserve};
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -77,6 +81,11 @@ pub fn room() -> Option<Room> {
 /// The largest memory that this process has held so far, bytes; `None` where the system does not say.
 pub fn peak() -> Option<u64> {
     kilobytes(&read(Path::new("/proc/self/status"))?, "VmHWM:")
+}
+
+/// The memory that this process holds now, bytes.
+fn used() -> Option<u64> {
+    kilobytes(&read(Path::new("/proc/self/status"))?, "VmRSS:")
 }
 
 /// [`room`] with `/proc` and `/sys` below another folder.
