@@ -17,11 +17,11 @@ fn main() -> ExitCode {
     let asked = interrupt.clone();
     let handler = ctrlc::set_handler(move || {
         if asked.requested() {
-            // Asked twice: leave at once, without the temporaries.
-            let _ = stiffmap::export::atomic::remove_temporaries();
-            std::process::exit(cli::Exit::Interrupted as i32);
+            // Asked twice.
+            cli::leave::at_once();
         }
         asked.request();
+        cli::leave::soon();
     });
     if let Err(error) = handler {
         cli::streams::say(&format!("warning: Ctrl-C is not caught: {error}"));

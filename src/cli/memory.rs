@@ -1,8 +1,10 @@
 //! How much memory a map may take.
 
 use super::UsageError;
+use anyhow::{Context, Result};
+use std::path::Path;
 use stiffmap::export::mat5;
-use stiffmap::resources::room;
+use stiffmap::resources::{Size, room};
 
 /// Bytes where nothing is known of the machine's memory.
 const UNKNOWN: u64 = 1 << 30;
@@ -14,6 +16,29 @@ const SHARE: u64 = 4;
 pub fn map_limit(asked: Option<u64>) -> u64 {
     let limit = asked.unwrap_or_else(|| room().map_or(UNKNOWN, |room| room.bytes / SHARE));
     limit.min(mat5::LIMIT - (1 << 16))
+}
+
+/// Bytes of a line of a surface's CSV file.
+const SURFACE_LINE: u64 = 90;
+/// Bytes of the other files of a run, but for the state space.
+const REST: u64 = 16 << 20;
+
+/// Refuses a map whose files the disk of their folder cannot hold.
+///
+/// `pairs` are its (position, frequency) pairs, `direct` the responses of a force to its own place, which have a table
+/// each.
+pub fn check_disk(bytes: u64, pairs: u64, direct: u64, out: &Path) -> Result<()> {
+    let free = fs4::available_space(out).with_context(|| format!("free room of {}", out.display()))?;
+    let need = bytes.saturating_add(pairs.saturating_mul(direct * SURFACE_LINE)).saturating_add(REST);
+    anyhow::ensure!(
+        need <= free,
+        "{pairs} pairs of position and frequency make files of {}, and {} has {} free; make room there, take another \
+         --out, or ask for fewer --positions or --frequencies",
+        Size(need),
+        out.display(),
+        Size(free)
+    );
+    Ok(())
 }
 
 /// A size such as `512MB`, `2GiB` or a number of bytes.
@@ -53,6 +78,14 @@ mod tests {
         for text in ["", "MB", "-1", "3 apples", "nan", "1e400"] {
             assert!(parse_size(text).unwrap_err().to_string().contains("512MB"), "{text}");
         }
+    }
+
+    #[test]
+    fn a_map_beyond_the_disk_is_refused_with_both_figures() {
+        let here = Path::new(".");
+        check_disk(1, 1, 1, here).unwrap();
+        let said = check_disk(1 << 60, 1 << 56, 3, here).unwrap_err().to_string();
+        assert!(said.contains("GB, and . has") && said.contains("--frequencies"), "{said}");
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod fault;
 mod figures;
 mod frequencies;
 mod init;
+pub mod leave;
 mod map;
 mod memory;
 mod modes;
@@ -202,6 +203,7 @@ fn machine_path(named: Option<&Path>) -> Result<(PathBuf, Option<tempfile::TempD
         return Ok((path.to_path_buf(), None));
     }
     let folder = tempfile::Builder::new().prefix("stiffmap").tempdir()?;
+    leave::remove_too(folder.path());
     for (name, content) in bundled_vertical_mill() {
         std::fs::write(folder.path().join(name), content)?;
     }

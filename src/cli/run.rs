@@ -1,7 +1,7 @@
 //! `stiffmap run`: the main job.
 
 use super::map::{Axes, Map, compute_map};
-use super::memory::{map_limit, parse_size};
+use super::memory::{check_disk, map_limit, parse_size};
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{Look, write_report};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use stiffmap::export::manifest::{Check, Manifest};
 use stiffmap::export::response::safe;
 use stiffmap::export::{eigenfrequencies, mat5};
-use stiffmap::frf::metrics::PairMetrics;
+use stiffmap::frf::metrics::{PairMetrics, direct_pairs};
 use stiffmap::frf::{FrfRequest, ModalSystem, Selection, Truncation, modal_systems};
 use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision};
 use stiffmap::interrupt::Interrupt;
@@ -199,6 +199,8 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         cache_dir: if arguments.no_cache { None } else { cache_folder() },
     };
     let streams = axes.bytes() > limit;
+    let pairs = (axes.positions.len() * axes.frequencies.len()) as u64;
+    check_disk(axes.bytes(), pairs, direct_pairs(&request).len() as u64, &out)?;
     let (map, backend) = progress.stage("compliance map", axes.positions.len(), |step| {
         compute_map(&request, &options, streams, &out, interrupt, step)
     })?;

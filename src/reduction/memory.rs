@@ -18,13 +18,25 @@
 use super::ReductionError;
 use crate::interrupt::Interrupt;
 use crate::linalg::{LinalgError, Ordering, factor_entries};
-use crate::resources::{Share, reserve};
+use crate::mesh::Mesh;
+use crate::resources::{Share, admit, reserve, room};
 use crate::solid::SecondOrder;
 
 /// Bytes of a number.
 const NUMBER: u64 = 8;
 /// What to do where it does not fit.
 const ADVICE: &str = "take a coarser mesh, fewer component modes, or a machine or limit with more memory";
+
+/// Bytes that the assembly takes a pair of nodes of an element: the two element matrices, the pattern, and the
+/// assembled matrices, in which neighbours share half of the entries.
+const ASSEMBLED_PAIR: u64 = 260;
+
+/// Refuses a part whose matrices alone do not fit, before they are formed.
+pub(super) fn admit_assembly(part: &str, mesh: &Mesh) -> Result<(), ReductionError> {
+    let pairs: u64 = mesh.cells.iter().map(|cell| (cell.nodes.len() as u64).pow(2)).sum();
+    let what = format!("the assembly of part \"{part}\" with {} elements", mesh.cells.len());
+    Ok(admit(&what, ASSEMBLED_PAIR * pairs, room().as_ref(), ADVICE)?)
+}
 
 /// Sizes that the memory of a reduction follows from.
 #[derive(Clone, Copy, Debug)]

@@ -216,6 +216,7 @@ pub fn reduce(
 ) -> Result<Superelement, ReductionError> {
     let part = &request.part;
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.name.clone(), source };
+    super::memory::admit_assembly(&part.name, mesh)?;
     let system = assemble(part, mesh)?;
     let stop = || go_on(interrupt).map_err(failed);
     stop()?;
