@@ -32,3 +32,21 @@ pub fn caught<T>(job: impl FnOnce() -> T) -> Result<T, String> {
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_assertion_in_any_thread_comes_back_as_a_text_with_its_place() {
+        let before = std::panic::take_hook();
+        let here = caught(|| -> usize { panic!("one {}", 1) });
+        let there = caught(|| rayon::join(|| 1, || -> usize { panic!("two") }));
+        let fine = caught(|| 5);
+        set_hook(before);
+        let here = here.unwrap_err();
+        assert!(here.contains("a fault of stiffmap") && here.contains("one 1 (src/cli/fault.rs:"), "{here}");
+        assert!(there.unwrap_err().contains("two (src/cli/fault.rs:"));
+        assert_eq!(fine, Ok(5), "control");
+    }
+}

@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// How long the computation may take to unwind.
-const PATIENCE: Duration = Duration::from_millis(350);
+const PATIENCE: Duration = Duration::from_millis(200);
 
 /// Folders of the program's own that unwinding would have removed.
 static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());

@@ -22,7 +22,8 @@ fn a_footprint_below_the_mesh_costs_no_more_than_the_mesh_and_is_said() {
     let dense = [412.866_709_536_513_95, 739.712_274_849_691_1, 922.078_267_553_426];
     let (found, said, _) = frequencies("5 mm");
     for (found, dense) in found.iter().zip(dense) {
-        assert!((found / dense - 1.0).abs() < 1e-10, "{found} Hz, {dense} Hz");
+        // The fixed basis of the whole machine has fewer directions too, and is checked to 1e-5.
+        assert!((found / dense - 1.0).abs() < 2e-9, "{found} Hz, {dense} Hz");
     }
     assert!(said.contains("5 mm on a rail whose elements are 83.33 mm long"), "{said}");
     // It need not be fast, but 3,000 times the elements' length took hours and gigabytes.
