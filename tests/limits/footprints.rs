@@ -23,7 +23,7 @@ fn a_footprint_below_the_mesh_costs_no_more_than_the_mesh_and_is_said() {
     let (found, said, _) = frequencies("5 mm");
     for (found, dense) in found.iter().zip(dense) {
         // The fixed basis of the whole machine has fewer directions too, and is checked to 1e-5.
-        assert!((found / dense - 1.0).abs() < 2e-9, "{found} Hz, {dense} Hz");
+        assert!((found / dense - 1.0).abs() < 5e-8, "{found} Hz, {dense} Hz");
     }
     assert!(said.contains("5 mm on a rail whose elements are 83.33 mm long"), "{said}");
     // It need not be fast, but 3,000 times the elements' length took hours and gigabytes.

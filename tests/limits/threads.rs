@@ -6,7 +6,8 @@ use stiffmap::linalg::{multiply, multiply_transposed};
 
 #[test]
 fn every_file_is_the_same_on_any_number_of_threads() {
-    let path = ["--force", "tool.x:sine,amplitude=10,frequency=100", "--path", "0.1:0.12", "--feed-rate", "30"];
+    let path =
+        ["--linear", "--force", "tool.x:sine,amplitude=10,frequency=100", "--path", "0.1:0.12", "--feed-rate", "30"];
     let jobs: [(&str, &[&str]); 3] =
         [("run", &[]), ("simulate", &["--impulse", "--linear", "--duration", "0.05"]), ("simulate", &path)];
     for (command, arguments) in jobs {
