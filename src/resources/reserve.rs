@@ -63,7 +63,9 @@ pub fn reserve(what: &str, need: u64, advice: &str, interrupt: Option<&Interrupt
             account.base = super::used().unwrap_or(0);
         }
         let alone = admit(what, need, account.room.as_ref(), advice);
-        if account.steps == 0 {
+        // Beside others the room is a little short of what it will be; far beyond it there is nothing to wait for.
+        let hopeless = account.room.as_ref().is_some_and(|room| need > room.bytes.saturating_add(room.bytes / 8));
+        if account.steps == 0 || hopeless {
             alone?;
         }
         let left = account.room.as_ref().map_or(u64::MAX, |room| room.bytes.saturating_sub(account.given));
