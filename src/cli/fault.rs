@@ -11,7 +11,9 @@ static FIRST: Mutex<Option<String>> = Mutex::new(None);
 
 /// Notes the first failure in place of printing each thread's.
 fn note(info: &PanicHookInfo<'_>) {
-    let said = info.payload_as_str().unwrap_or("no message").to_string();
+    let payload = info.payload();
+    let said = payload.downcast_ref::<&str>().copied().or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    let said = said.unwrap_or("no message");
     let place = info.location().map_or_else(|| "an unknown place".into(), |at| format!("{}:{}", at.file(), at.line()));
     FIRST.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(format!("{said} ({place})"));
 }

@@ -24,8 +24,9 @@ pub fn shortened(message: String) -> String {
     if message.len() <= LONGEST {
         return message;
     }
-    let (head, tail) =
-        (message.floor_char_boundary(LONGEST / 2), message.ceil_char_boundary(message.len() - LONGEST / 4));
+    let boundary =
+        |from: usize| (from..message.len()).find(|&at| message.is_char_boundary(at)).unwrap_or(message.len());
+    let (head, tail) = (boundary(LONGEST / 2), boundary(message.len() - LONGEST / 4));
     format!("{} [.. {} bytes left out ..] {}", &message[..head], tail - head, &message[tail..])
 }
 
