@@ -23,6 +23,7 @@
 //! `export` or `figures`.
 
 pub mod interrupt;
+pub mod resources;
 
 pub mod files;
 

@@ -10,28 +10,34 @@ fn main() -> ExitCode {
     quiet_device_selection();
     let arguments = cli::Cli::parse();
     tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
+        .with_writer(|| cli::streams::Log)
         .with_env_filter(tracing_subscriber::EnvFilter::try_from_env("STIFFMAP_LOG").unwrap_or_else(|_| "error".into()))
         .init();
     let interrupt = Interrupt::default();
     let asked = interrupt.clone();
     let handler = ctrlc::set_handler(move || {
         if asked.requested() {
-            // Asked twice: leave at once, without the temporaries.
-            let _ = stiffmap::export::atomic::remove_temporaries();
-            std::process::exit(cli::Exit::Interrupted as i32);
+            // Asked twice.
+            cli::leave::at_once();
         }
         asked.request();
+        cli::leave::soon();
     });
     if let Err(error) = handler {
-        eprintln!("warning: Ctrl-C is not caught: {error}");
+        cli::streams::say(&format!("warning: Ctrl-C is not caught: {error}"));
     }
-    match cli::execute(arguments, &interrupt) {
-        Ok(()) => ExitCode::from(cli::Exit::Done as u8),
-        Err(error) => {
+    match cli::fault::caught(|| cli::execute(arguments, &interrupt)) {
+        Ok(Ok(())) => ExitCode::from(cli::Exit::Done as u8),
+        Ok(Err(error)) => {
             let code = cli::exit_code(&error, &interrupt);
-            eprintln!("error: {}", cli::describe(&error));
+            cli::streams::say(&format!("error: {}", cli::describe(&error)));
             ExitCode::from(code as u8)
+        }
+        Err(fault) => {
+            // Unwinding has removed them, but for those of a thread that still runs.
+            let _ = stiffmap::export::atomic::remove_temporaries();
+            cli::streams::say(&format!("error: {fault}"));
+            ExitCode::from(cli::Exit::Failed as u8)
         }
     }
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 const ORDER: [&str; 20] = [
     "interrupt",
     "files",
+    "resources",
     "machine",
     "linalg",
     "matrix",

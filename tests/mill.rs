@@ -33,13 +33,9 @@ fn model_by(method: ReductionMethod) -> CoupledModel {
     let Mill { machine, meshes } = mill();
     let mut machine = machine.clone();
     machine.analysis.component.method = method;
-    let centroids: Vec<Vec<[f64; 3]>> = machine
-        .parts
-        .iter()
-        .zip(meshes)
-        .map(|(part, mesh)| interface_motions(part, mesh).expect("surfaces").iter().map(|(_, m)| m.centroid).collect())
-        .collect();
-    let requests = reduction_requests(&machine, &centroids);
+    let parts = machine.parts.iter().zip(meshes);
+    let interfaces: Vec<_> = parts.map(|(part, mesh)| interface_motions(part, mesh).expect("surfaces")).collect();
+    let requests = reduction_requests(&machine, &interfaces);
     let reduced: Vec<_> = requests.iter().zip(meshes).map(|(r, m)| reduce(r, m, None).expect("reduces")).collect();
     couple(&machine, &reduced, BasisOptions::up_to(BAND)).expect("couples")
 }

@@ -1,9 +1,10 @@
 //! `stiffmap band`: the frequencies with distributing and with rigid interfaces.
 
-use super::{at_least_one, cache_folder, machine_path, position};
+use super::{at_least_one, cache_folder, machine_path, position, streams};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::read_machine;
@@ -47,16 +48,18 @@ pub fn band(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             .enumerate()
             .map(|(r, [low, high])| json!({ "rank": r + 1, "distributing_hz": low, "rigid_hz": high }))
             .collect();
-        println!("{}", serde_json::to_string_pretty(&json!({ "position_m": position, "elastic_modes": rows }))?);
+        streams::print_json(&json!({ "position_m": position, "elastic_modes": rows }))?;
         return Ok(());
     }
-    println!("{} at {} = {position} m: elastic frequencies by rank, Hz", machine.name, machine.axis.name);
-    println!("rank  distributing       rigid   rigid above by %");
+    let mut text = String::new();
+    writeln!(text, "{} at {} = {position} m: elastic frequencies by rank, Hz", machine.name, machine.axis.name)?;
+    writeln!(text, "rank  distributing       rigid   rigid above by %")?;
     for (r, [low, high]) in rows.iter().enumerate() {
-        println!("{:4}  {low:12.4} {high:11.4}   {:8.3}", r + 1, 100.0 * (high / low - 1.0));
+        writeln!(text, "{:4}  {low:12.4} {high:11.4}   {:8.3}", r + 1, 100.0 * (high / low - 1.0))?;
     }
-    println!(
+    writeln!(
+        text,
         "Distributing interfaces bound the frequencies from below, rigid ones from above; a real contact lies between."
-    );
-    Ok(())
+    )?;
+    Ok(streams::print(&text)?)
 }

@@ -1,8 +1,9 @@
 //! `stiffmap bench`: the compliance kernel measured.
 
-use super::UsageError;
+use super::{UsageError, streams};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
+use std::fmt::Write as _;
 use stiffmap::gpu::Backend;
 use stiffmap::gpu::bench::{BenchRequest, BenchRow, measure};
 
@@ -68,15 +69,17 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         rows.extend(measure(&BenchRequest { positions: factor * request.positions, ..request.clone() })?);
     }
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&rows)?);
+        streams::print_json(&rows)?;
     } else {
-        print_table(&request, &rows);
+        streams::print(&table(&request, &rows)?)?;
     }
     Ok(())
 }
 
-fn print_table(request: &BenchRequest, rows: &[BenchRow]) {
-    println!(
+fn table(request: &BenchRequest, rows: &[BenchRow]) -> Result<String> {
+    let mut text = String::new();
+    writeln!(
+        text,
         "{}{} positions x {} frequencies x {} modes x {} values, median of {}\n",
         if request.streamed { "streamed: 1, 10 and 100 times " } else { "" },
         request.positions,
@@ -84,14 +87,16 @@ fn print_table(request: &BenchRequest, rows: &[BenchRow]) {
         request.modes,
         request.ports * request.ports,
         request.repetitions
-    );
-    println!(
+    )?;
+    writeln!(
+        text,
         "back end  precision  positions        ms  Mpairs/s  Mvalues/s  Gflop/s    GB/s  roofline  peak MB  device"
-    );
+    )?;
     for row in rows {
         let share = row.roofline_share.map_or_else(|| "      -".into(), |s| format!("{:6.0}%", 100.0 * s));
         let memory = row.peak_rss_bytes.map_or_else(|| "      -".into(), |b| format!("{:7.0}", b as f64 * 1e-6));
-        println!(
+        writeln!(
+            text,
             "{:<9} {:<9} {:10} {:9.2} {:9.1} {:10.1} {:8.1} {:7.1}   {share}  {memory}  {}",
             row.backend,
             row.precision.name(),
@@ -102,6 +107,7 @@ fn print_table(request: &BenchRequest, rows: &[BenchRow]) {
             row.flops_per_second * 1e-9,
             row.bytes_per_second * 1e-9,
             row.device
-        );
+        )?;
     }
+    Ok(text)
 }

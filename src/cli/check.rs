@@ -1,6 +1,6 @@
 //! `stiffmap check`: what is understood of a machine.
 
-use super::machine_path;
+use super::{machine_path, streams};
 use anyhow::Result;
 use clap::Args;
 use std::fmt::Write as _;
@@ -9,7 +9,7 @@ use stiffmap::coupling::reduction_requests;
 use stiffmap::machine::{Contact, Grid, JointKind, Machine, Motion, Part, ScrewSupport, SpringStiffness, read_machine};
 use stiffmap::mesh::MeshFile;
 use stiffmap::pipeline;
-use stiffmap::solid::assemble;
+use stiffmap::solid::{SecondOrder, assemble};
 
 #[derive(Args, Debug)]
 pub struct Arguments {
@@ -26,9 +26,9 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     let described = describe(&machine, &meshes, &mut warnings);
     // What is implausible explains a refusal, so it is said in either case.
     if described.is_err() {
-        warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        warnings.iter().for_each(|warning| streams::say(&format!("warning: {warning}")));
     }
-    print!("{}", described?);
+    streams::print(&described?)?;
     Ok(())
 }
 
@@ -62,7 +62,8 @@ fn describe(machine: &Machine, meshes: &[MeshFile], warnings: &mut Vec<String>) 
         centroids.push(system.interfaces.iter().map(|i| i.centroid).collect::<Vec<_>>());
         systems.push(system);
     }
-    let requests = reduction_requests(machine, &centroids);
+    let pairs = |system: &SecondOrder| system.surfaces.iter().cloned().zip(system.interfaces.iter().cloned()).collect();
+    let requests = reduction_requests(machine, &systems.iter().map(pairs).collect::<Vec<_>>());
     let coordinates: usize = requests.iter().zip(&surfaces).map(|(r, s)| r.most_coordinates(s)).sum();
     writeln!(
         out,

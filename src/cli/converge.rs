@@ -1,10 +1,11 @@
 //! `stiffmap converge`: one machine on meshes of two or three sizes.
 
-use super::{UsageError, at_least_one, cache_folder, position};
+use super::{UsageError, at_least_one, cache_folder, position, streams};
 use anyhow::Result;
 use clap::Args;
 use nalgebra::DMatrix;
 use serde_json::json;
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Machine, read_machine};
@@ -86,30 +87,36 @@ pub fn converge(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             "order_assumed": (solved.len() == 2).then_some(arguments.order),
             "elastic_modes": rows.iter().enumerate().map(of_row).collect::<Vec<_>>(),
         });
-        println!("{}", serde_json::to_string_pretty(&all)?);
+        streams::print_json(&all)?;
         return Ok(());
     }
-    print(&machines[0], position, &solved, &rows, arguments.order);
-    Ok(())
+    let text = table(&machines[0], position, &solved, &rows, arguments.order)?;
+    Ok(streams::print(&text)?)
 }
 
-fn print(machine: &Machine, position: f64, solved: &[AtOnePosition], rows: &[Row], assumed: f64) {
-    println!("{} at {} = {position} m: elastic frequencies in Hz, coarse to fine", machine.name, machine.axis.name);
+fn table(machine: &Machine, position: f64, solved: &[AtOnePosition], rows: &[Row], assumed: f64) -> Result<String> {
+    let mut text = String::new();
+    writeln!(
+        text,
+        "{} at {} = {position} m: elastic frequencies in Hz, coarse to fine",
+        machine.name, machine.axis.name
+    )?;
     let heads: String = solved.iter().map(|s| format!("{:>11} dof", s.n_dof)).collect();
-    println!("rank{heads}   order      limit Hz   finest above limit by %");
+    writeln!(text, "rank{heads}   order      limit Hz   finest above limit by %")?;
     for (rank, row) in rows.iter().enumerate() {
         let own: String = row.frequencies.iter().map(|f| format!("{f:15.5}")).collect();
         match &row.estimate {
             Ok(e) => {
                 let order = e.order.map_or_else(|| "-".into(), |p| format!("{p:.2}"));
-                println!("{:4}{own}   {order:>5}  {:12.5}   {:10.5}", rank + 1, e.limit, 100.0 * e.error);
+                writeln!(text, "{:4}{own}   {order:>5}  {:12.5}   {:10.5}", rank + 1, e.limit, 100.0 * e.error)?;
             }
-            Err(reason) => println!("{:4}{own}   no estimate: {reason}", rank + 1),
+            Err(reason) => writeln!(text, "{:4}{own}   no estimate: {reason}", rank + 1)?,
         }
     }
     if solved.len() == 2 {
-        println!("Order {assumed} is assumed; a third mesh would show it.");
+        writeln!(text, "Order {assumed} is assumed; a third mesh would show it.")?;
     }
+    Ok(text)
 }
 
 /// The finest mesh's mode of a rank with its likes on the coarser ones.

@@ -1,7 +1,9 @@
 //! `stiffmap devices`: the adapters that could compute a map.
 
+use super::streams;
 use anyhow::Result;
 use clap::Args;
+use std::fmt::Write as _;
 use stiffmap::gpu::list_adapters;
 
 #[derive(Args, Debug)]
@@ -15,23 +17,28 @@ pub struct Arguments {
 pub fn devices(arguments: &Arguments) -> Result<()> {
     let adapters = list_adapters();
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&adapters)?);
+        streams::print_json(&adapters)?;
         return Ok(());
     }
+    let mut text = String::new();
     if adapters.is_empty() {
-        println!("no adapter: no Vulkan, Metal or DirectX 12 driver answers; maps are computed on the processor");
+        writeln!(
+            text,
+            "no adapter: no Vulkan, Metal or DirectX 12 driver answers; maps are computed on the processor"
+        )?;
     }
     for (i, a) in adapters.iter().enumerate() {
-        println!("{i}  {} ({}, {})", a.name, a.kind, a.backend);
-        println!("   driver {}", a.driver);
-        println!("   f64 in shaders: {}", if a.f64 { "yes" } else { "no" });
-        println!(
+        writeln!(text, "{i}  {} ({}, {})", a.name, a.kind, a.backend)?;
+        writeln!(text, "   driver {}", a.driver)?;
+        writeln!(text, "   f64 in shaders: {}", if a.f64 { "yes" } else { "no" })?;
+        writeln!(
+            text,
             "   storage binding {} MiB, buffer {} MiB, {} workgroups a dimension, {} invocations a workgroup",
             a.max_storage_binding >> 20,
             a.max_buffer >> 20,
             a.max_workgroups,
             a.max_invocations
-        );
+        )?;
     }
-    Ok(())
+    Ok(streams::print(&text)?)
 }

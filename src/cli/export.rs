@@ -1,6 +1,8 @@
 //! `stiffmap export`: the assembled machine at a position, for another program.
 
-use super::{UsageError, at_least_one, begin, cache_folder, finish, machine_path, open_folder, position, record};
+use super::{
+    UsageError, at_least_one, begin, cache_folder, finish, machine_path, open_folder, position, record, streams,
+};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use nalgebra::DMatrix;
@@ -70,7 +72,7 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         into_folder(arguments, &machine, &files, json!({ "part": name }), interrupt, |out, begin| {
             write_part(out, begin, &machine.parts[part], &files[part].mesh)
         })?;
-        eprintln!("wrote {name} to {}", out.display());
+        streams::say(&format!("wrote {name} to {}", out.display()));
         return Ok(());
     }
     let springs = pipeline::unreduced_springs(&machine, &files, position)?;
@@ -79,7 +81,7 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             let meshes: Vec<&Mesh> = files.iter().map(|f| &f.mesh).collect();
             write_deck(out, &machine, &meshes, &springs, modes)?;
             for difference in element_differences(&machine, &meshes) {
-                eprintln!("warning: {difference}");
+                streams::say(&format!("warning: {difference}"));
             }
         }
         Format::Mtx => {
@@ -90,7 +92,7 @@ pub fn export(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             })?;
         }
     }
-    eprintln!("wrote {} at {} = {position} m to {}", machine.name, machine.axis.name, out.display());
+    streams::say(&format!("wrote {} at {} = {position} m to {}", machine.name, machine.axis.name, out.display()));
     Ok(())
 }
 
@@ -121,7 +123,7 @@ fn into_folder(
     record::input(&mut manifest, machine, &pipeline::inputs(machine, files)?);
     manifest.settings.push("format", json!("mtx"));
     manifest.settings.push("exported", settings);
-    manifest.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    manifest.warnings.iter().for_each(|warning| streams::say(&format!("warning: {warning}")));
     finish(folder, &manifest)
 }
 

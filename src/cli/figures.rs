@@ -15,7 +15,7 @@ use stiffmap::pipeline::PipelineError;
 use super::map::Axes;
 use super::pictures::picture_map;
 use super::report::DATABASE_HASH;
-use super::{UsageError, open_folder};
+use super::{UsageError, open_folder, streams};
 
 /// A map larger than this is thinned for ParaView as for pictures, bytes.
 const LARGEST_SURFACES: u64 = 512 << 20;
@@ -143,7 +143,7 @@ pub fn figures(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     write_page(&page, &database, &record.to_string())?;
     files.push(page);
     for file in files {
-        eprintln!("{}", file.display());
+        streams::say(&file.display().to_string());
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! `stiffmap init`: the bundled mill as a start.
 
-use super::UsageError;
+use super::{UsageError, streams};
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
@@ -26,6 +26,10 @@ pub fn init(arguments: &Arguments) -> Result<()> {
     for (name, content) in bundled_vertical_mill().iter().rev() {
         write_bytes(&dir.join(name), content.as_bytes())?;
     }
-    eprintln!("wrote the vertical mill to {}; run it with `stiffmap run {}`", dir.display(), dir.display());
+    streams::say(&format!(
+        "wrote the vertical mill to {}; run it with `stiffmap run {}`",
+        dir.display(),
+        dir.display()
+    ));
     Ok(())
 }

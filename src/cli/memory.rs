@@ -1,7 +1,10 @@
 //! How much memory a map may take.
 
 use super::UsageError;
+use anyhow::{Context, Result};
+use std::path::Path;
 use stiffmap::export::mat5;
+use stiffmap::resources::{Size, room};
 
 /// Bytes where nothing is known of the machine's memory.
 const UNKNOWN: u64 = 1 << 30;
@@ -11,8 +14,31 @@ const SHARE: u64 = 4;
 /// Largest map that is held in memory, bytes: what `--map-memory` says, else a quarter of the memory that is available;
 /// never more than a variable of a MAT-file holds.
 pub fn map_limit(asked: Option<u64>) -> u64 {
-    let limit = asked.unwrap_or_else(|| available().map_or(UNKNOWN, |bytes| bytes / SHARE));
+    let limit = asked.unwrap_or_else(|| room().map_or(UNKNOWN, |room| room.bytes / SHARE));
     limit.min(mat5::LIMIT - (1 << 16))
+}
+
+/// Bytes of a line of a surface's CSV file.
+const SURFACE_LINE: u64 = 90;
+/// Bytes of the other files of a run, but for the state space.
+const REST: u64 = 16 << 20;
+
+/// Refuses a map whose files the disk of their folder cannot hold.
+///
+/// `pairs` are its (position, frequency) pairs, `direct` the responses of a force to its own place, which have a table
+/// each.
+pub fn check_disk(bytes: u64, pairs: u64, direct: u64, out: &Path) -> Result<()> {
+    let free = fs4::available_space(out).with_context(|| format!("free room of {}", out.display()))?;
+    let need = bytes.saturating_add(pairs.saturating_mul(direct * SURFACE_LINE)).saturating_add(REST);
+    anyhow::ensure!(
+        need <= free,
+        "{pairs} pairs of position and frequency make files of {}, and {} has {} free; make room there, take another \
+         --out, or ask for fewer --positions or --frequencies",
+        Size(need),
+        out.display(),
+        Size(free)
+    );
+    Ok(())
 }
 
 /// A size such as `512MB`, `2GiB` or a number of bytes.
@@ -39,19 +65,6 @@ pub fn parse_size(text: &str) -> Result<u64, UsageError> {
     }
 }
 
-/// Bytes that a program can still take, as far as the system says.
-pub(super) fn available() -> Option<u64> {
-    let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
-    let memory = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
-        let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
-        line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| 1024 * kib)
-    });
-    // A container's own limit; "max" for none.
-    let group = number("/sys/fs/cgroup/memory.max")
-        .map(|limit| limit.saturating_sub(number("/sys/fs/cgroup/memory.current").unwrap_or(0)));
-    [memory, group].into_iter().flatten().min()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -65,6 +78,14 @@ mod tests {
         for text in ["", "MB", "-1", "3 apples", "nan", "1e400"] {
             assert!(parse_size(text).unwrap_err().to_string().contains("512MB"), "{text}");
         }
+    }
+
+    #[test]
+    fn a_map_beyond_the_disk_is_refused_with_both_figures() {
+        let here = Path::new(".");
+        check_disk(1, 1, 1, here).unwrap();
+        let said = check_disk(1 << 60, 1 << 56, 3, here).unwrap_err().to_string();
+        assert!(said.contains("GB, and . has") && said.contains("--frequencies"), "{said}");
     }
 
     #[test]

@@ -7,9 +7,11 @@ mod converge;
 mod devices;
 mod evaluator;
 mod export;
+pub mod fault;
 mod figures;
 mod frequencies;
 mod init;
+pub mod leave;
 mod map;
 mod memory;
 mod modes;
@@ -20,11 +22,13 @@ mod progress;
 mod record;
 mod report;
 mod run;
+mod serve;
 mod simulate;
 mod simulate_files;
 mod simulate_forces;
 mod simulate_size;
 mod states;
+pub mod streams;
 mod summary;
 mod sweep;
 mod sweep_figures;
@@ -166,7 +170,7 @@ fn is_design_input(error: &SweepError) -> bool {
 
 /// An error with its causes, each said once.
 pub fn describe(error: &anyhow::Error) -> String {
-    error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
+    let said = error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
         if said.is_empty() {
             cause
         } else if said.contains(&cause) {
@@ -174,7 +178,8 @@ pub fn describe(error: &anyhow::Error) -> String {
         } else {
             format!("{said}: {cause}")
         }
-    })
+    });
+    streams::shortened(said)
 }
 
 /// Locks the result folder of a command; a job that writes it already is told with what is known of it.
@@ -225,6 +230,7 @@ fn machine_path(named: Option<&Path>) -> Result<(PathBuf, Option<tempfile::TempD
         return Ok((path.to_path_buf(), None));
     }
     let folder = tempfile::Builder::new().prefix("stiffmap").tempdir()?;
+    leave::remove_too(folder.path());
     for (name, content) in bundled_vertical_mill() {
         std::fs::write(folder.path().join(name), content)?;
     }

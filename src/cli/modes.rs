@@ -1,6 +1,6 @@
 //! `stiffmap modes`: the frequencies of one deck.
 
-use super::UsageError;
+use super::{UsageError, streams};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
@@ -36,7 +36,7 @@ pub fn modes(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let Deck { mesh, frequency, warnings } = read_deck(&arguments.deck, arguments.plain_bricks, arguments.modes)?;
     for warning in &warnings {
         let at = if warning.line > 0 { format!(":{}", warning.line) } else { String::new() };
-        eprintln!("warning: {}{at}: {}", arguments.deck.display(), warning.text);
+        streams::say(&format!("warning: {}{at}: {}", arguments.deck.display(), warning.text));
     }
     let system = assemble(&whole(&arguments.deck), &mesh).map_err(PipelineError::from)?;
     // Incompatible modes of C3D8I are unknowns of no node; they move alone where every node is held.
@@ -68,10 +68,10 @@ pub fn modes(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
             "residual": spectrum.residual,
             "warnings": warnings.iter().map(|w| json!({"line": w.line, "text": w.text})).collect::<Vec<_>>(),
         });
-        println!("{}", serde_json::to_string_pretty(&report)?);
+        streams::print_json(&report)?;
         return Ok(());
     }
-    print!("{}", table(arguments, &system, &mesh, &spectrum, &listed)?);
+    streams::print(&table(arguments, &system, &mesh, &spectrum, &listed)?)?;
     Ok(())
 }
 

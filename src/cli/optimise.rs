@@ -4,6 +4,7 @@ use super::evaluator::{Chosen, Route, choose, read, reduce};
 use super::progress::Progress;
 use super::record;
 use super::run::{relative, slug};
+use super::streams;
 use super::sweep::{begin_record, refuse_other};
 use super::sweep_figures::{Best, draw_best};
 use super::sweep_progress::Rate;
@@ -152,7 +153,7 @@ pub fn optimise(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     manifest.warnings.extend(record::edited(&inputs));
     finish(folder, &manifest)?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&manifest)?);
+        streams::print_json(&manifest)?;
     } else {
         summarise(&study, &found, &out, &progress);
     }

@@ -1,5 +1,6 @@
 //! Progress on stderr: bars on a terminal, plain lines otherwise.
 
+use super::streams;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Instant;
@@ -45,7 +46,7 @@ impl Progress {
         let seconds = start.elapsed().as_secs_f64();
         if result.is_ok() {
             if !self.quiet {
-                eprintln!("{name:<24} {seconds:7.2} s");
+                streams::say(&format!("{name:<24} {seconds:7.2} s"));
             }
             self.seconds.push((name.to_string(), seconds));
         }
@@ -55,7 +56,7 @@ impl Progress {
     /// Says something beside the stages.
     pub fn say(&self, text: &str) {
         if !self.quiet {
-            eprintln!("{text}");
+            streams::say(text);
         }
     }
 

@@ -64,6 +64,14 @@ pub fn size(
     counts.push("modes_in_map_most", truncation.most_modes as u64);
 }
 
+/// What memory was expected to be taken by the reductions, and what was, bytes; a figure that the system does not give
+/// is left out.
+pub fn memory(manifest: &mut Manifest) {
+    let foreseen = Some(stiffmap::resources::foreseen()).filter(|bytes| *bytes > 0);
+    let value = json!({"foreseen_bytes": foreseen, "peak_bytes": stiffmap::resources::peak()});
+    manifest.settings.push("memory", super::run::without_nulls(value));
+}
+
 /// What was asked for.
 pub fn settings(manifest: &mut Manifest, machine: &Machine, arguments: &Arguments, truncation: &Truncation, band: f64) {
     let settings = &mut manifest.settings;

@@ -1,12 +1,14 @@
 //! `stiffmap run`: the main job.
 
 use super::map::{Axes, Map, compute_map};
-use super::memory::{map_limit, parse_size};
+use super::memory::{check_disk, map_limit, parse_size};
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{Look, write_report};
 use super::states::StateArguments;
-use super::{UsageError, begin, cache_folder, finish, frequencies, machine_path, open_folder, record, summary};
+use super::{
+    UsageError, begin, cache_folder, finish, frequencies, machine_path, open_folder, record, streams, summary,
+};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
@@ -14,7 +16,7 @@ use std::path::{Path, PathBuf};
 use stiffmap::export::manifest::{Check, Manifest};
 use stiffmap::export::response::safe;
 use stiffmap::export::{eigenfrequencies, mat5};
-use stiffmap::frf::metrics::PairMetrics;
+use stiffmap::frf::metrics::{PairMetrics, direct_pairs};
 use stiffmap::frf::{FrfRequest, ModalSystem, Selection, Truncation, modal_systems};
 use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision};
 use stiffmap::interrupt::Interrupt;
@@ -200,6 +202,8 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         cache_dir: if arguments.no_cache { None } else { cache_folder() },
     };
     let streams = axes.bytes() > limit;
+    let pairs = (axes.positions.len() * axes.frequencies.len()) as u64;
+    check_disk(axes.bytes(), pairs, direct_pairs(&request).len() as u64, &out)?;
     let (map, backend) = progress.stage("compliance map", axes.positions.len(), |step| {
         compute_map(&request, &options, streams, &mut folder, interrupt, step)
     })?;
@@ -228,6 +232,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     record::settings(&mut manifest, &machine, arguments, &truncation, model.frequency);
     record::damping(&mut manifest, &machine, projection.as_ref());
     record::map(&mut manifest, &axes, &map, limit);
+    record::memory(&mut manifest);
     manifest.counts.push("parts_from_cache", hits as u64);
     let free_motions = summary::free_motions(&solved, &model);
     manifest.settings.push("free_motions", json!(free_motions));
@@ -244,7 +249,7 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     write(&outcome, &look, states, arguments, &mut progress, &mut manifest, interrupt)?;
     finish(folder, &manifest)?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&manifest)?);
+        streams::print_json(&manifest)?;
     } else {
         summary::print(&outcome, &manifest, &progress);
     }

@@ -5,7 +5,7 @@ use super::progress::Progress;
 use super::run::{figure, mesh_warnings, slug};
 use super::simulate_files::{self, Found, Outcome};
 use super::simulate_forces::sample;
-use super::{UsageError, begin, cache_folder, finish, machine_path, open_folder, record};
+use super::{UsageError, begin, cache_folder, finish, machine_path, open_folder, record, streams};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
@@ -155,7 +155,7 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     simulate_files::write(&outcome, arguments, &mut progress, &mut manifest, interrupt)?;
     finish(folder, &manifest)?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&manifest)?);
+        streams::print_json(&manifest)?;
     } else {
         simulate_files::print(&outcome, &manifest, &progress);
     }

@@ -1,12 +1,12 @@
 //! How large the files of a time history get and what memory they take, told before anything is computed.
 
 use super::UsageError;
-use super::memory::available;
 use super::simulate::Arguments;
 use anyhow::{Context, Result};
 use std::path::Path;
 use stiffmap::export::mat5;
 use stiffmap::machine::Machine;
+use stiffmap::resources::room;
 
 /// Bytes of a number of full length with its comma in a CSV file.
 const NUMBER: f64 = 23.0;
@@ -104,7 +104,7 @@ fn size(bytes: f64) -> String {
 pub fn check(planned: &Planned, out: &Path) -> Result<()> {
     let exists = out.ancestors().find(|f| f.exists()).unwrap_or(Path::new("."));
     let free = fs4::available_space(exists).with_context(|| format!("free room of {}", exists.display()))?;
-    fits(planned, out, free as f64, available().map(|bytes| bytes as f64))?;
+    fits(planned, out, free as f64, room().map(|room| room.bytes as f64))?;
     Ok(())
 }
 

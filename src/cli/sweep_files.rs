@@ -3,6 +3,7 @@
 use super::progress::Progress;
 use super::record;
 use super::run::relative;
+use super::streams;
 use super::sweep::Arguments;
 use super::sweep_figures::{Best, draw_best, draw_rows};
 use super::sweep_rates::rates;
@@ -112,7 +113,7 @@ pub fn write_results(
     record::seconds(&mut manifest, progress);
     super::finish(folder, &manifest)?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&manifest)?);
+        streams::print_json(&manifest)?;
     } else {
         summarise(finished, best, &manifest, progress);
     }

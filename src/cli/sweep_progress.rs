@@ -1,5 +1,6 @@
 //! How far a sweep is, how fast, and how long it will take.
 
+use super::streams;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -41,7 +42,7 @@ impl Rate {
             bar.set_message(self.words());
         } else if !self.quiet && self.said.elapsed() >= EVERY {
             self.said = Instant::now();
-            eprintln!("{:<24} {} of {}, {}", self.what, self.done, self.total, self.words());
+            streams::say(&format!("{:<24} {} of {}, {}", self.what, self.done, self.total, self.words()));
         }
     }
 
@@ -73,7 +74,7 @@ impl Rate {
         }
         if !self.quiet {
             let pairs = self.rate() * self.positions as f64;
-            eprintln!("{:<24} {:7.2} s, {pairs:.0} (design, position) pairs/s", self.what, self.seconds());
+            streams::say(&format!("{:<24} {:7.2} s, {pairs:.0} (design, position) pairs/s", self.what, self.seconds()));
         }
     }
 }

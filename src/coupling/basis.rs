@@ -256,10 +256,11 @@ pub(super) fn stiffness_axes(span: &DMatrix<f64>, lambda: &[f64]) -> Result<(DMa
     Ok((multiply(span, &eigen.vectors), eigen.values))
 }
 
-/// Positions over the whole travel, at most a fraction of a footprint apart.
+/// Positions over the whole travel, at most a fraction of a footprint apart, or of the rail's elements where these are
+/// longer: see `coupling/training.rs`.
 fn training_positions(machine: &SideBySide) -> Vec<f64> {
     let [from, to] = machine.axis.travel;
-    let shortest = machine.joints.iter().filter_map(|j| j.footprint).fold(f64::INFINITY, f64::min);
+    let shortest = machine.joints.iter().filter_map(|j| j.told_apart(&machine.axis)).fold(f64::INFINITY, f64::min);
     let intervals =
         if shortest.is_finite() { ((to - from).abs() / (SPACING * shortest)).ceil().max(1.0) as usize } else { 1 };
     (0..=intervals).map(|i| from + (to - from) * i as f64 / intervals as f64).collect()

@@ -87,6 +87,17 @@ impl CoupledJoint {
         Ok(out)
     }
 
+    /// The shortest movement along its rail that changes what the joint feels, m: its footprint's length, or the mean
+    /// length of the rail's elements if that is longer.
+    pub(super) fn told_apart(&self, axis: &Axis) -> Option<f64> {
+        let footprint = self.footprint?;
+        let on_rail = |side: &Side| match &side.surface {
+            SideSurface::Rail(rail) => rail.surface.element_length(axis.direction),
+            SideSurface::Fixed(_) => 0.0,
+        };
+        Some(self.sides.iter().map(on_rail).fold(footprint, f64::max))
+    }
+
     fn footprint_at(
         &self,
         rail: &ReducedRail,

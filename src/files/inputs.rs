@@ -52,6 +52,9 @@ impl Stamp {
     }
 }
 
+/// Bytes of a machine file or study, at most: what is larger is a mesh by mistake, or a device that never ends.
+const LARGEST_TEXT: u64 = 16 << 20;
+
 /// The files that were read, in the order of their reading.
 #[derive(Clone, Default)]
 pub struct Inputs {
@@ -71,10 +74,18 @@ impl Inputs {
     /// # Errors
     /// The system's, and one of its own where the file is written to while it is read, or had other contents before.
     pub fn read(&mut self, path: &Path) -> std::io::Result<Vec<u8>> {
+        self.read_up_to(path, u64::MAX)
+    }
+
+    fn read_up_to(&mut self, path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
         let mut file = File::open(path)?;
         let before = file.metadata()?;
-        let mut bytes = Vec::with_capacity(usize::try_from(before.len()).unwrap_or(0));
-        file.read_to_end(&mut bytes)?;
+        let mut bytes = Vec::with_capacity(usize::try_from(before.len().min(most)).unwrap_or(0));
+        (&mut file).take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > most {
+            let problem = format!("it is larger than {} MiB", most >> 20);
+            return Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, problem));
+        }
         let after = Stamp::of(&file.metadata()?);
         if before.is_file() && (Stamp::of(&before) != after || bytes.len() as u64 != after.length) {
             return Err(std::io::Error::other("it is being written to; run again once it is whole"));
@@ -85,13 +96,14 @@ impl Inputs {
         Ok(bytes)
     }
 
-    /// As [`Inputs::read`], as text.
+    /// As [`Inputs::read`], as text: a machine file, a study.
     ///
     /// # Errors
-    /// As [`Inputs::read`], and [`std::io::ErrorKind::InvalidData`] for what is not UTF-8.
+    /// As [`Inputs::read`]; [`std::io::ErrorKind::InvalidData`] for what is not UTF-8, and
+    /// [`std::io::ErrorKind::FileTooLarge`] above 16 MiB.
     pub fn read_text(&mut self, path: &Path) -> std::io::Result<String> {
         let invalid = |_| std::io::Error::new(std::io::ErrorKind::InvalidData, "the file is not text in UTF-8");
-        String::from_utf8(self.read(path)?).map_err(invalid)
+        String::from_utf8(self.read_up_to(path, LARGEST_TEXT)?).map_err(invalid)
     }
 
     /// Records bytes that are in memory already; `path` is what messages call them.

@@ -1,6 +1,5 @@
 //! Sparse Cholesky factor and inertia (faer's supernodal kernels on a METIS order).
 
-use super::dense::inner_parallelism;
 use super::{LinalgError, Ordering, SparseSymmetric};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -10,8 +9,9 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Side, Spec};
+use faer::{Conj, MatMut, Par, Side, Spec};
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 /// Sparse Cholesky factor of a symmetric positive definite matrix.
 pub struct Cholesky {
@@ -29,7 +29,7 @@ impl Cholesky {
         let n = a.n();
         let symbolic = analyse(a, ordering)?;
         let mut values = vec![0.0; symbolic.len_val()];
-        let par = inner_parallelism();
+        let par = Par::Seq;
         let mut memory = workspace(n, symbolic.factorize_numeric_llt_scratch::<f64>(par, Spec::default()))?;
         symbolic
             .factorize_numeric_llt(
@@ -50,18 +50,15 @@ impl Cholesky {
 
     /// Solves A X = B for an n x b block.
     pub fn solve(&self, b: &DMatrix<f64>) -> DMatrix<f64> {
-        let (n, columns) = b.shape();
+        let n = b.nrows();
         assert_eq!(n, self.symbolic.nrows(), "rows of the block against the order of the factor");
         let mut x = b.clone();
-        let par = inner_parallelism();
-        let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, par));
-        let rhs = MatMut::from_column_major_slice_mut(x.as_mut_slice(), n, columns);
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            rhs,
-            par,
-            MemStack::new(&mut memory),
-        );
+        by_panels(&mut x, |rhs, columns| {
+            let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
+            let rhs = MatMut::from_column_major_slice_mut(rhs, n, columns);
+            let memory = MemStack::new(&mut memory);
+            LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, rhs, Par::Seq, memory);
+        });
         x
     }
 
@@ -93,7 +90,7 @@ impl Indefinite {
         let mut values = vec![0.0; symbolic.len_val()];
         let mut subdiagonal = vec![0.0; n];
         let (mut forward, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
-        let par = inner_parallelism();
+        let par = Par::Seq;
         let mut memory = workspace(n, symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(par, Spec::default()))?;
         symbolic.factorize_numeric_intranode_lblt(
             &mut values,
@@ -117,20 +114,37 @@ impl Indefinite {
 
     /// Solves A X = B for an n x b block.
     pub fn solve(&self, b: &DMatrix<f64>) -> DMatrix<f64> {
-        let (n, columns) = b.shape();
+        let n = b.nrows();
         assert_eq!(n, self.symbolic.nrows(), "rows of the block against the order of the factor");
         let mut x = b.clone();
-        let par = inner_parallelism();
-        let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, par));
-        let rhs = MatMut::from_column_major_slice_mut(x.as_mut_slice(), n, columns);
         let perm = PermRef::new_checked(&self.forward, &self.inverse, n);
-        IntranodeLbltRef::new(&self.symbolic, &self.values, &self.subdiagonal, perm).solve_in_place_with_conj(
-            Conj::No,
-            rhs,
-            par,
-            MemStack::new(&mut memory),
-        );
+        by_panels(&mut x, |rhs, columns| {
+            let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
+            let rhs = MatMut::from_column_major_slice_mut(rhs, n, columns);
+            let memory = MemStack::new(&mut memory);
+            IntranodeLbltRef::new(&self.symbolic, &self.values, &self.subdiagonal, perm).solve_in_place_with_conj(
+                Conj::No,
+                rhs,
+                Par::Seq,
+                memory,
+            );
+        });
         x
+    }
+}
+
+/// Columns that one thread solves for together. The number is fixed, so that the sums, and with them the last bits of
+/// a result, are the same however many threads there are.
+const PANEL: usize = 64;
+
+/// Calls `solve` with panels of columns of a block and their number, side by side.
+fn by_panels(block: &mut DMatrix<f64>, solve: impl Fn(&mut [f64], usize) + Sync) {
+    let n = block.nrows();
+    if n > 0 && block.ncols() <= PANEL {
+        let columns = block.ncols();
+        solve(block.as_mut_slice(), columns);
+    } else if n > 0 {
+        block.as_mut_slice().par_chunks_mut(PANEL * n).for_each(|panel| solve(panel, panel.len() / n));
     }
 }
 
@@ -175,6 +189,14 @@ fn count_negative_pivots(
         }
     }
     Ok(negative)
+}
+
+/// Numbers in the factor of a matrix, from its pattern alone.
+///
+/// # Errors
+/// [`LinalgError::Factorisation`] if the pattern is none.
+pub fn factor_entries(a: &SparseSymmetric, ordering: &Ordering) -> Result<usize, LinalgError> {
+    Ok(analyse(a, ordering)?.len_val())
 }
 
 fn analyse(a: &SparseSymmetric, ordering: &Ordering) -> Result<SymbolicCholesky<usize>, LinalgError> {

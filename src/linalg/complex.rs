@@ -1,6 +1,7 @@
 //! Eigenvalues and eigenvectors of a general complex matrix.
 
 use super::LinalgError;
+use super::dense::one_thread;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use nalgebra::{Complex, DMatrix};
@@ -30,6 +31,7 @@ pub fn complex_eigen(a: &DMatrix<Complex<f64>>) -> Result<ComplexEigen, LinalgEr
         let none = DMatrix::zeros(0, 0);
         return Ok(ComplexEigen { values: Vec::new(), vectors: none.clone(), inverse: none });
     }
+    one_thread();
     let matrix = Mat::from_fn(n, n, |i, j| faer::c64::new(a[(i, j)].re, a[(i, j)].im));
     let eigen = matrix.eigen().map_err(|_| failed())?;
     let vectors = eigen.U();

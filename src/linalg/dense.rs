@@ -92,22 +92,46 @@ pub fn multiply_transposed(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     product(view(a).transpose(), view(b))
 }
 
+/// Products of fewer multiplications than this are formed in one piece.
+///
+/// How a product is cut follows from its size alone, never from the number of threads: each piece is summed on one
+/// thread in one order, so the same input gives the same bits on 1 thread and on 64.
+const SMALL: usize = 1 << 24;
+/// Rows of a piece of a tall product, and of a short one whose sums are long (V^T x of a basis V).
+const TALL: usize = 4096;
+const SHORT: usize = 64;
+
 fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> DMatrix<f64> {
     let mut c = DMatrix::zeros(a.nrows(), b.ncols());
     let (rows, columns) = c.shape();
     let out = MatMut::from_column_major_slice_mut(c.as_mut_slice(), rows, columns);
-    matmul(out, Accum::Replace, a, b, 1.0, inner_parallelism());
+    add_product(out, Accum::Replace, a, b, 1.0);
     c
 }
 
-/// Threads inside one factor, solve or product: parts are reduced side by side, which keeps few
-/// cores busy without the cost of splitting small kernels.
-pub(super) fn inner_parallelism() -> Par {
-    if rayon::current_num_threads() <= 4 { Par::Seq } else { Par::rayon(0) }
+/// out = factor A B or out + factor A B, by pieces side by side.
+fn add_product(out: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    let (rows, columns, inner) = (out.nrows(), out.ncols(), a.ncols());
+    let band = if rows < TALL && inner >= TALL { SHORT } else { TALL };
+    if rows * columns * inner < SMALL || rows <= band {
+        matmul(out, accum, a, b, factor, Par::Seq);
+        return;
+    }
+    let half = (rows / 2).next_multiple_of(band).min(rows - 1);
+    let (upper, lower) = out.split_at_row_mut(half);
+    let (a_upper, a_lower) = a.split_at_row(half);
+    rayon::join(|| add_product(upper, accum, a_upper, b, factor), || add_product(lower, accum, a_lower, b, factor));
+}
+
+/// Keeps faer's decompositions on the calling thread: it would cut them by the number of threads, and other cuts are
+/// other sums. To be called before each of them.
+pub(super) fn one_thread() {
+    faer::set_global_parallelism(Par::Seq);
 }
 
 /// An orthonormal basis of as many vectors as V has, which are independent: Q of V = Q R.
 pub fn orthonormal(v: &DMatrix<f64>) -> DMatrix<f64> {
+    one_thread();
     let q = view(v).qr().compute_thin_Q();
     DMatrix::from_fn(v.nrows(), v.ncols().min(v.nrows()), |i, k| q[(i, k)])
 }
@@ -118,6 +142,7 @@ pub fn triangle(a: &DMatrix<f64>) -> DMatrix<f64> {
     if m <= n {
         return a.clone();
     }
+    one_thread();
     let r = view(a).qr();
     let r = r.thin_R();
     DMatrix::from_fn(n, n, |i, j| if i <= j { r[(i, j)] } else { 0.0 })
@@ -162,7 +187,7 @@ impl Columns {
     pub fn subtract_from(&self, x: &mut DMatrix<f64>, c: &DMatrix<f64>) {
         let (rows, columns) = x.shape();
         let out = MatMut::from_column_major_slice_mut(x.as_mut_slice(), rows, columns);
-        matmul(out, Accum::Add, self.view(c.nrows()), view(c), -1.0, inner_parallelism());
+        add_product(out, Accum::Add, self.view(c.nrows()), view(c), -1.0);
     }
 }
 
@@ -213,6 +238,7 @@ pub fn orthonormal_span(v: &DMatrix<f64>, tolerance: f64) -> Result<DMatrix<f64>
     if n == 0 {
         return Ok(DMatrix::zeros(v.nrows(), 0));
     }
+    one_thread();
     let svd = view(v).thin_svd().map_err(|_| failed())?;
     let values = svd.S().column_vector();
     let kept = (0..n).take_while(|&k| values[k] > tolerance * values[0]).count();

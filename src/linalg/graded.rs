@@ -10,7 +10,7 @@
 //! Numerical Analysis 1997, Pitman Research Notes 380 (1998): with rows sorted by size and columns pivoted,
 //! each row keeps an error relative to itself.
 
-use super::dense::{evd, view};
+use super::dense::{evd, one_thread, view};
 use super::{LinalgError, SymmetricEigen, multiply};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
@@ -63,6 +63,7 @@ fn sorted_factor(a: &DMatrix<f64>) -> (Vec<usize>, faer::linalg::solvers::ColPiv
     let mut order: Vec<usize> = (0..a.nrows()).collect();
     order.sort_by(|&i, &j| size[j].total_cmp(&size[i]));
     let sorted = a.select_rows(&order);
+    one_thread();
     let factor = view(&sorted).col_piv_qr();
     (order, factor)
 }

@@ -11,7 +11,9 @@
 //! R. G. Grimes, J. G. Lewis, H. D. Simon, A shifted block Lanczos algorithm, SIAM J. Matrix Anal. 15 (1994).
 
 use super::dense::Columns;
-use super::{LinalgError, SparseSymmetric, independent_directions, multiply, multiply_transposed, symmetric_eigen};
+use super::{
+    LinalgError, SparseSymmetric, go_on, independent_directions, multiply, multiply_transposed, symmetric_eigen,
+};
 use crate::interrupt::Interrupt;
 use nalgebra::DMatrix;
 
@@ -66,9 +68,7 @@ pub fn lowest_modes(
     krylov.append(inverse(&mass.multiply(&pseudo_random(mass.n(), block))), mass)?;
     let mut worst = f64::INFINITY;
     loop {
-        if interrupt.is_some_and(Interrupt::requested) {
-            return Err(LinalgError::Interrupted);
-        }
+        go_on(interrupt)?;
         let exhausted = !krylov.advance(mass, inverse)?;
         let dimension = krylov.dimension();
         let wanted = modes.min(dimension);

@@ -12,7 +12,7 @@ mod ordering;
 mod shift_invert;
 mod sparse;
 
-pub use cholesky::{Cholesky, Indefinite};
+pub use cholesky::{Cholesky, Indefinite, factor_entries};
 pub use complex::{ComplexEigen, complex_eigen};
 pub use dense::{
     SymmetricEigen, count_negative, independent_directions, multiply, multiply_transposed, orthonormal,
@@ -25,6 +25,16 @@ pub use lanczos::{LanczosOptions, Spectrum, lowest_modes};
 pub use ordering::Ordering;
 pub use shift_invert::{FreeSpectrum, shift_invert_modes};
 pub use sparse::{SparseBuilder, SparseSymmetric};
+
+use crate::interrupt::Interrupt;
+
+/// Ends a computation between two steps where the user has asked to stop.
+///
+/// # Errors
+/// [`LinalgError::Interrupted`].
+pub fn go_on(interrupt: Option<&Interrupt>) -> Result<(), LinalgError> {
+    if interrupt.is_some_and(Interrupt::requested) { Err(LinalgError::Interrupted) } else { Ok(()) }
+}
 
 /// What a linear-algebra routine could not do.
 #[derive(Debug, thiserror::Error)]

@@ -32,7 +32,14 @@ pub(super) fn read_linear_guide(table: &Table<'_>, around: &Surroundings<'_>) ->
             "remove coupling = \"rigid\" from that interface: the footprint moves along the rail, a rigid rail would not bend",
         ));
     }
-    let footprint = table.need("footprint", "footprint = \"90 mm\"")?.quantity(Dimension::Length, Bound::Positive)?;
+    let item = table.need("footprint", "footprint = \"90 mm\"")?;
+    let footprint = item.quantity(Dimension::Length, Bound::Positive)?;
+    if footprint < SHORTEST_FOOTPRINT {
+        return Err(item.refuse(
+            format!("a length of rail from {SHORTEST_FOOTPRINT:e} to 1e5 m"),
+            "correct the value or its unit; it is the length of rail that carries the carriage",
+        ));
+    }
     let ways = global_ways();
     let springs = read_springs(table, &ways, across(around.axis.direction))?;
     let holds = |spring: &&Spring| {
@@ -134,6 +141,9 @@ fn read_support(table: &Table<'_>) -> Result<ScrewSupport> {
     }
     Ok(ScrewSupport::OneEnd)
 }
+
+/// A footprint shorter than this (m) cuts the faces of a rail of some metres below rounding.
+const SHORTEST_FOOTPRINT: f64 = 1e-5;
 
 /// The stiffnesses of a bolted connection, as a message writes them.
 const SIX: &str = "stiffness = { x = \"1e10 N/m\", y = \"1e10 N/m\", z = \"1e10 N/m\", rx = \"1e8 N m/rad\", \

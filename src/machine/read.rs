@@ -31,7 +31,7 @@ pub fn read_machine(path: &Path) -> Result<Machine, MachineError> {
         advice: if is_folder {
             "name a machine file, or a folder that holds machine.toml (`stiffmap init DIR` writes one)"
         } else {
-            "name a machine file in UTF-8, or the folder of one (`stiffmap init DIR` writes one)"
+            "name a machine file in UTF-8 of at most 16 MiB, or the folder of one (`stiffmap init DIR` writes one)"
         },
     })?;
     let source = Source { path: &file, text: &text };

@@ -5,6 +5,7 @@ mod plausibility;
 mod projection;
 mod reading;
 mod reduction_error;
+mod side_by_side;
 mod travel;
 
 pub use mechanism::mechanisms;
@@ -27,6 +28,7 @@ use crate::reduction::{Cache, CacheError, Cached, ReductionError, Superelement, 
 use crate::solid::{SolidError, interface_motions};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use side_by_side::side_by_side;
 
 /// Why a stage failed.
 #[derive(Debug, thiserror::Error)]
@@ -85,12 +87,12 @@ pub fn reduce_parts(
     interrupt: &Interrupt,
     step: Step<'_>,
 ) -> Result<Vec<Cached>, PipelineError> {
-    let centroids = machine.parts.iter().zip(meshes).map(|(part, file)| {
-        Ok(interface_motions(part, &file.mesh)?.iter().map(|(_, motion)| motion.centroid).collect())
-    });
-    let centroids = centroids.collect::<Result<Vec<Vec<[f64; 3]>>, SolidError>>()?;
+    let interfaces = machine.parts.iter().zip(meshes).map(|(part, file)| interface_motions(part, &file.mesh));
+    let interfaces = interfaces.collect::<Result<Vec<_>, SolidError>>()?;
+    let centroids: Vec<Vec<[f64; 3]>> =
+        interfaces.iter().map(|of_part| of_part.iter().map(|(_, motion)| motion.centroid).collect()).collect();
     check_travel(machine, meshes, &centroids)?;
-    let requests = reduction_requests(machine, &centroids);
+    let requests = reduction_requests(machine, &interfaces);
     // The largest part first, so that it does not run alone at the end.
     let mut order: Vec<usize> = (0..requests.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(meshes[i].mesh.nodes.len()));
@@ -113,7 +115,7 @@ pub fn reduce_parts(
             made => Ok((i, made?)),
         }
     };
-    let mut parts = order.par_iter().with_max_len(1).map(one).collect::<Result<Vec<_>, _>>()?;
+    let mut parts = side_by_side(&order, &one)?;
     parts.sort_by_key(|(i, _)| *i);
     Ok(parts.into_iter().map(|(_, cached)| cached).collect())
 }

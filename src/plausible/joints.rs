@@ -175,6 +175,21 @@ fn guide(at: &Place<'_>) -> Vec<Finding> {
             slip: "likely rail and carriage swapped: exchange the two".to_owned(),
         });
     }
+    let element = rail.element_length(direction);
+    if footprint > 0.0 && footprint < element {
+        found.push(Finding {
+            key: format!("{}.footprint", at.key),
+            seen: format!(
+                "{} on a rail whose elements are {} long along the travel",
+                length(footprint),
+                length(element)
+            ),
+            usual: "a footprint at least as long as the rail's elements".to_owned(),
+            slip: "the mesh cannot tell shorter footprints apart: refine the rail's mesh, or write the length of rail \
+                   that carries the carriage"
+                .to_owned(),
+        });
+    }
     let ratio = footprint / own;
     if !(0.15..=7.0).contains(&ratio) {
         let unit = if ratio > 100.0 {

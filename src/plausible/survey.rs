@@ -79,6 +79,15 @@ impl Patch {
         gap(&self.whole, &self.points, carriage, shift)
     }
 
+    /// Mean length of the elements of the whole surface along a direction, m; 0 where it has none.
+    pub(super) fn element_length(&self, direction: [f64; 3]) -> f64 {
+        let length = |corners: &[[f64; 3]; 3]| {
+            let along = corners.map(|x| super::geometry::dot(x, direction));
+            along.into_iter().fold(f64::NEG_INFINITY, f64::max) - along.into_iter().fold(f64::INFINITY, f64::min)
+        };
+        self.whole.iter().map(length).sum::<f64>() / self.whole.len().max(1) as f64
+    }
+
     /// Range along a direction of the whole surface, m.
     pub(super) fn extent(&self, direction: [f64; 3]) -> [f64; 2] {
         let points = self.whole.iter().flatten().chain(&self.points);

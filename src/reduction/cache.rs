@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 16] = b"stiffmap-reduced";
 /// Raised whenever the layout or the numbers of a superelement change.
-const VERSION: u64 = 13;
+const VERSION: u64 = 14;
 const HEADER: usize = 16 + 8 + 8 + 32 + 32;
 
 /// Why the cache could not serve.

@@ -24,6 +24,7 @@ mod constraint;
 mod craig_bampton;
 mod flexibility;
 mod free_interface;
+mod memory;
 mod skin;
 mod superelement;
 
@@ -43,6 +44,9 @@ pub enum ReductionError {
     /// The part could not be assembled.
     #[error(transparent)]
     Solid(#[from] SolidError),
+    /// There is not enough memory for it.
+    #[error(transparent)]
+    Memory(#[from] crate::resources::NoMemory),
     /// A solver failed.
     #[error("part \"{part}\": {source}")]
     Linalg {

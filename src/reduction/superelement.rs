@@ -7,7 +7,7 @@ use super::flexibility::Flexibility;
 use super::skin::{ReducedSkin, reduced_skin};
 use super::{ReductionError, craig_bampton, free_interface};
 use crate::interrupt::Interrupt;
-use crate::linalg::{LinalgError, multiply, multiply_transposed};
+use crate::linalg::{LinalgError, go_on, multiply, multiply_transposed};
 use crate::machine::{ComponentAnalysis, Part, ReductionMethod};
 use crate::mesh::Mesh;
 use crate::solid::{InterfaceMotion, SecondOrder, Surface, assemble};
@@ -134,15 +134,20 @@ impl Superelement {
 }
 
 impl ReductionRequest {
-    /// Coordinates that the reduced part has at most; `surfaces` are those of its interfaces.
-    pub fn most_coordinates(&self, surfaces: &[Surface]) -> usize {
+    /// Interface motions at most; `surfaces` are those of its interfaces.
+    pub fn most_motions(&self, surfaces: &[Surface]) -> usize {
         let rails: std::collections::BTreeSet<usize> = self.rails.iter().map(|r| r.interface).collect();
         let motions = 6 * (self.part.interfaces.len() - rails.len());
         let trained: usize =
             self.rails.iter().map(|r| r.footprints(&surfaces[r.interface]).len() * r.springs.len()).sum();
+        motions + trained
+    }
+
+    /// Coordinates that the reduced part has at most; `surfaces` are those of its interfaces.
+    pub fn most_coordinates(&self, surfaces: &[Surface]) -> usize {
         let free = self.part.clamped.is_empty() && self.component.method == ReductionMethod::FreeInterface;
         let rigid = if free { 6 } else { 0 };
-        rigid + self.component.modes + (motions + trained) * if self.component.second_moment { 2 } else { 1 }
+        rigid + self.component.modes + self.most_motions(surfaces) * if self.component.second_moment { 2 } else { 1 }
     }
 }
 
@@ -211,10 +216,16 @@ pub fn reduce(
 ) -> Result<Superelement, ReductionError> {
     let part = &request.part;
     let failed = |source: LinalgError| ReductionError::Linalg { part: part.name.clone(), source };
+    super::memory::admit_assembly(&part.name, mesh)?;
     let system = assemble(part, mesh)?;
+    let stop = || go_on(interrupt).map_err(failed);
+    stop()?;
     let ordering = system.ordering().map_err(failed)?;
+    stop()?;
+    let sizes = (request.most_motions(&system.surfaces), request.component.modes, request.component.second_moment);
+    let _share = super::memory::share(&part.name, &system, &ordering, sizes, interrupt)?;
     let flexibility = Flexibility::new(&system, &ordering).map_err(failed)?;
-    let motions = interface_motions(&system, request);
+    let motions = interface_motions(&system, request, interrupt).map_err(failed)?;
     let modes = ComponentModes {
         modes: request.component.modes,
         band: request.component.band,
@@ -235,7 +246,9 @@ pub fn reduce(
     } else {
         method(&part.name, &system, &ordering, &flexibility, &motions, modes)?
     };
+    stop()?;
     let (eigenvalues, vectors) = rayleigh_ritz(&part.name, &system, &flexibility.rigid, blocks)?;
+    stop()?;
     let beyond = Beyond::new(&part.name, &system, &vectors, beyond)?;
 
     let interfaces = system
@@ -289,7 +302,11 @@ fn reduced_rail(system: &SecondOrder, interface: usize, vectors: &DMatrix<f64>) 
 
 /// Interface motions as columns, n x m: six for every interface that is not a rail, the springs of
 /// the training footprints for the rails.
-fn interface_motions(system: &SecondOrder, request: &ReductionRequest) -> DMatrix<f64> {
+fn interface_motions(
+    system: &SecondOrder,
+    request: &ReductionRequest,
+    interrupt: Option<&Interrupt>,
+) -> Result<DMatrix<f64>, LinalgError> {
     let mut columns: Vec<DMatrix<f64>> = Vec::new();
     for (i, motion) in system.interfaces.iter().enumerate() {
         if !request.rails.iter().any(|r| r.interface == i) {
@@ -299,6 +316,7 @@ fn interface_motions(system: &SecondOrder, request: &ReductionRequest) -> DMatri
     for rail in &request.rails {
         let surface = &system.surfaces[rail.interface];
         for centre in rail.footprints(surface) {
+            go_on(interrupt)?;
             let weights = surface.weights_in_slab(rail.direction, centre, rail.footprint);
             let Some(motion) = InterfaceMotion::from_weights(&weights, |n| system.nodes[n]) else { continue };
             let rows = rail.springs.iter().map(|s| s.coefficients(rail.direction, centre, motion.centroid));
@@ -314,7 +332,7 @@ fn interface_motions(system: &SecondOrder, request: &ReductionRequest) -> DMatri
         all.columns_mut(at, block.ncols()).copy_from(block);
         at += block.ncols();
     }
-    all
+    Ok(all)
 }
 
 impl RailSpring {

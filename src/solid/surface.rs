@@ -166,6 +166,21 @@ impl Surface {
         corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), s| (lo.min(s), hi.max(s)))
     }
 
+    /// Range of each face's corners along a direction, m.
+    pub fn face_ranges(&self, direction: [f64; 3]) -> Vec<(f64, f64)> {
+        let of_face = |face: &Face| {
+            let along = face.corners().iter().map(|x| dot(&direction, x));
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), s| (lo.min(s), hi.max(s)))
+        };
+        self.faces.iter().map(of_face).collect()
+    }
+
+    /// Mean length of the faces along a direction, m; 0 without faces.
+    pub fn element_length(&self, direction: [f64; 3]) -> f64 {
+        let ranges = self.face_ranges(direction);
+        ranges.iter().map(|(lo, hi)| hi - lo).sum::<f64>() / ranges.len().max(1) as f64
+    }
+
     fn weights(&self, cuts: &[HalfSpace]) -> Vec<(usize, f64)> {
         let mut total: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
         for face in &self.faces {

@@ -7,7 +7,7 @@ use super::*;
 const LIMITS: &[(&str, &str, f64, Option<f64>)] = &[
     ("origin = [0, 0, 0]", "origin = [0, 0, @]", 1e5, None),
     ("step = \"5 mm\"", "step = @", 1e5, None),
-    ("footprint = \"90 mm\"", "footprint = @", 1e5, Some(1e-12)),
+    ("footprint = \"90 mm\"", "footprint = @", 1e5, Some(1e-5)),
     ("diameter = \"40 mm\"", "diameter = @", 1e5, Some(1e-12)),
     ("backlash = \"10 um\"", "backlash = @", 1e5, None),
     ("young = \"115 GPa\"", "young = @", 1e16, Some(1.0)),

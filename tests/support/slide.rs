@@ -22,16 +22,13 @@ pub struct Slide {
 impl Slide {
     /// Reduces the parts of a machine as the program does.
     pub fn of(machine: Machine, meshes: Vec<Mesh>) -> Self {
-        let centroids: Vec<Vec<[f64; 3]>> = machine
+        let interfaces: Vec<_> = machine
             .parts
             .iter()
             .zip(&meshes)
-            .map(|(part, mesh)| {
-                let motions = interface_motions(part, mesh).expect("the interfaces have surfaces");
-                motions.iter().map(|(_, motion)| motion.centroid).collect()
-            })
+            .map(|(part, mesh)| interface_motions(part, mesh).expect("the interfaces have surfaces"))
             .collect();
-        let requests = reduction_requests(&machine, &centroids);
+        let requests = reduction_requests(&machine, &interfaces);
         let reduced = requests.iter().zip(&meshes);
         let parts =
             reduced.map(|(request, mesh)| reduce(request, mesh, None).expect("the part can be reduced")).collect();

@@ -80,7 +80,8 @@ fn receptance_and_mobility_at_0_hz_are_refused_with_the_parts_that_move() {
 #[test]
 fn a_sweep_of_a_free_machine_from_0_hz_says_in_each_row_why_it_is_empty_and_one_above_does_not() {
     let folder = free_slide(STUDY);
-    done(&sweep(folder.path(), "out", &[]));
+    let refused = sweep(folder.path(), "out", &[]);
+    assert_eq!(refused.status.code(), Some(1), "no design is answered: {}", stderr(&refused));
     let errors = column(&table(folder.path(), "out"), "error");
     assert!(
         errors.iter().all(|e| e.contains("rigid motions that the ports feel") && !e.contains("damping")),

@@ -1,0 +1,46 @@
+//! Leaving when the user asks to.
+//!
+//! Long loops look at the [`stiffmap::interrupt::Interrupt`] and unwind. Some steps cannot look: one sparse
+//! factorisation, one ordering, one dense eigenproblem of a large part may take seconds. So a request starts a
+//! clock; where unwinding has not ended the program by then, it is ended from here, in the same state.
+
+use super::{Exit, streams};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// How long the computation may take to unwind.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// Folders of the program's own that unwinding would have removed.
+static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Names a temporary folder that is removed when the program leaves without unwinding.
+pub fn remove_too(folder: &Path) {
+    FOLDERS.lock().unwrap_or_else(PoisonError::into_inner).push(folder.to_path_buf());
+}
+
+/// Starts the clock.
+pub fn soon() {
+    let started = std::thread::Builder::new().spawn(|| {
+        std::thread::sleep(PATIENCE);
+        streams::say("error: interrupted; nothing half-written is left");
+        at_once();
+    });
+    // Without the clock the computation unwinds in its own time.
+    if let Err(error) = started {
+        tracing::debug!("{error}");
+    }
+}
+
+/// Ends the program without unwinding, its temporary files removed.
+pub fn at_once() -> ! {
+    if let Err(failures) = stiffmap::export::atomic::remove_temporaries() {
+        failures.iter().for_each(|failure| streams::say(&format!("warning: {failure}")));
+    }
+    for folder in FOLDERS.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+        // It is gone where unwinding came first.
+        let _ = std::fs::remove_dir_all(folder);
+    }
+    std::process::exit(Exit::Interrupted as i32)
+}

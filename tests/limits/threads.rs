@@ -1,0 +1,60 @@
+//! Results do not depend on the number of threads, bit for bit.
+
+use super::*;
+use nalgebra::DMatrix;
+use stiffmap::linalg::{multiply, multiply_transposed};
+
+#[test]
+fn every_file_is_the_same_on_any_number_of_threads() {
+    let path =
+        ["--linear", "--force", "tool.x:sine,amplitude=10,frequency=100", "--path", "0.1:0.12", "--feed-rate", "30"];
+    let jobs: [(&str, &[&str]); 3] =
+        [("run", &[]), ("simulate", &["--impulse", "--linear", "--duration", "0.05"]), ("simulate", &path)];
+    for (command, arguments) in jobs {
+        let mut first: Option<Vec<(String, Vec<u8>)>> = None;
+        for threads in ["1", "2", "3", "4", "7"] {
+            let out = tempfile::tempdir().unwrap();
+            let mut job = program();
+            job.arg(command).arg(input("machine.toml")).args(arguments);
+            job.args(["--no-cache", "--no-figures", "--out"]).arg(out.path()).env("RAYON_NUM_THREADS", threads);
+            let output = job.output().unwrap();
+            assert_eq!(output.status.code(), Some(0), "{command}: {}", said(&output));
+            let found = results(out.path());
+            assert!(!found.is_empty());
+            match &first {
+                None => first = Some(found),
+                Some(first) => {
+                    let differ = first.iter().zip(&found).filter(|(a, b)| a != b).map(|(a, _)| &a.0);
+                    let differ: Vec<&String> = differ.collect();
+                    assert!(differ.is_empty() && first.len() == found.len(), "{command}, {threads}: {differ:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A matrix of numbers in (-1, 1) without a pattern.
+fn matrix(rows: usize, columns: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(rows, columns, |i, j| {
+        ((i * 7919 + j * 104_729 + 13) as f64 * 0.618_033_988_749).fract() * 2.0 - 1.0
+    })
+}
+
+fn on(threads: usize, work: impl FnOnce() -> DMatrix<f64> + Send) -> DMatrix<f64> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+}
+
+#[test]
+fn products_large_enough_to_be_cut_are_the_same_on_any_number_of_threads_and_right() {
+    let (tall, wide) = (matrix(20_000, 90), matrix(90, 40));
+    let many = matrix(20_000, 130);
+    let product = |threads| (on(threads, || multiply(&tall, &wide)), on(threads, || multiply_transposed(&many, &tall)));
+    let (a, b) = product(1);
+    for threads in [2, 3, 8] {
+        assert!(product(threads) == (a.clone(), b.clone()), "{threads} threads");
+    }
+    // By nalgebra, which sums in another order: equal to rounding, and not to the bit (the control of equality).
+    let (ours, theirs) = (multiply_transposed(&many, &tall), many.transpose() * &tall);
+    assert!((&a - &tall * &wide).amax() < 1e-12 && (&b - &theirs).amax() < 1e-10);
+    assert!(ours != theirs, "control: another order of summation shows");
+}
