@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The way of the data; a module uses only what stands before it.
-const ORDER: [&str; 20] = [
+const ORDER: [&str; 21] = [
     "interrupt",
     "files",
     "resources",
