@@ -1,7 +1,7 @@
 //! Files that are there whole or not at all.
 //!
 //! A file is written under a temporary name in its own folder and renamed when complete
-//! ([`aside`](crate::files::aside)). The rename replaces an older file in one step, so a reader sees the old or the new
+//! ([`crate::files::aside`]). The rename replaces an older file in one step, so a reader sees the old or the new
 //! content. The temporary is removed on errors and panics.
 //!
 //! What is no plain file is never replaced by one. A link stays, and the file that it leads to is replaced. A device
