@@ -189,6 +189,7 @@ pub fn request(study: &Study) -> Request {
         families: study.families.clone(),
         highest: study.band[1],
         whole_basis: false,
+        untruncated: false,
         tracked: study.families.iter().copied().max().unwrap_or(0),
     }
 }

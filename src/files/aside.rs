@@ -100,6 +100,16 @@ pub fn remove_temporaries() -> Vec<(PathBuf, std::io::Error)> {
     std::mem::take(&mut *lock(&LIVE)).into_iter().filter_map(failure).collect()
 }
 
+/// A file that goes where a signal ends the process, until [`stays`].
+pub(super) fn goes(path: &Path) {
+    lock(&LIVE).insert(path.to_path_buf());
+}
+
+/// Ends what [`goes`] began.
+pub(super) fn stays(path: &Path) {
+    lock(&LIVE).remove(path);
+}
+
 /// From now on files that are written below a folder are noted in its journal.
 pub(super) fn open_journal(folder: &Path, journal: File) {
     lock(&JOURNALS).push((folder.to_path_buf(), journal));

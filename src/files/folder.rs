@@ -10,7 +10,7 @@
 //! The lock is the file `.stiffmap.lock`, which also lists what the job has begun to write. It is there while a job
 //! runs, and after one that did not finish.
 
-use super::aside::{close_journal, folder_of, open_journal};
+use super::aside::{close_journal, folder_of, goes, open_journal, stays};
 use super::holder::{file_lines, files, holder, job_line};
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -120,6 +120,10 @@ impl ResultFolder {
         folder.left.iter().filter(temporary).try_for_each(|name| folder.remove_own(name))?;
         folder.append(&job_line(line))?;
         open_journal(path, folder.lock.try_clone().map_err(io(&name, "open"))?);
+        // Until something is begun, a job that a signal ends leaves the folder as it was.
+        if folder.left.is_empty() {
+            goes(&name);
+        }
         Ok(folder)
     }
 
@@ -170,6 +174,7 @@ impl ResultFolder {
         self.append(&file_lines(&old))?;
         self.lock.sync_data().map_err(io(&self.path.join(LOCK), "write"))?;
         self.begun = true;
+        stays(&self.path.join(LOCK));
         remove(&self.path.join(MANIFEST))?;
         sync_folder(&self.path)?;
         old.iter().filter(|name| !keep.contains(&name.as_str())).try_for_each(|name| self.remove_own(name))
@@ -240,6 +245,7 @@ impl ResultFolder {
 impl Drop for ResultFolder {
     fn drop(&mut self) {
         close_journal(&self.path);
+        stays(&self.path.join(LOCK));
         // What an unfinished job began stays listed for the next one, unless a manifest lists it. Elsewhere than on Unix an
         // open file keeps its name.
         let listed = self.left.is_empty() || self.path.join(MANIFEST).exists();

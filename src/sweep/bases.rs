@@ -68,6 +68,19 @@ impl<'a> Bases<'a> {
         answers.into_iter().flatten().collect()
     }
 
+    /// Answers a design of other parts without truncation: in a basis of its own that keeps every coordinate.
+    pub fn answer_untruncated(
+        &self,
+        design: &Design,
+        evaluate: impl Fn(&Prepared, &[&Design]) -> Vec<Result<Evaluation, SweepError>>,
+    ) -> Result<Evaluation, SweepError> {
+        let request = Request { untruncated: true, ..self.request.clone() };
+        let base = &design.machine;
+        let prepared = self.nominal.scaled(base, self.superelements, &design.parts, &request, self.interrupt);
+        let prepared = prepared.map_err(|error| SweepError::Parts { message: error.to_string() })?;
+        evaluate(&prepared, &[design]).swap_remove(0)
+    }
+
     pub fn is_far(&self, design: &Design) -> Result<bool, SweepError> {
         for around in &self.nominal.around {
             let values = self.nominal.model.spring_values(&design.machine, around.position)?;

@@ -63,6 +63,11 @@ impl<'a> ModesRoute<'a> {
         Ok(design.parts.iter().all(|s| *s == PartScale::NOMINAL) && !self.bases.is_far(design)?)
     }
 
+    /// A design answered by all coordinates of its parts, where differences to a part's material must have no steps.
+    pub(super) fn evaluate_untruncated(&self, design: &Design) -> Result<Evaluation, SweepError> {
+        self.bases.answer_untruncated(design, |prepared, members| self.evaluate_with(prepared, members))
+    }
+
     fn at(&self, prepared: &Prepared, design: &Design, index: usize) -> Result<PositionMetrics, SweepError> {
         if self.bases.interrupt.requested() {
             return Err(SweepError::Interrupted);

@@ -23,8 +23,19 @@ pub struct Request {
     pub highest: f64,
     /// Whether designs keep the whole fixed basis instead of what the frequency asks for.
     pub whole_basis: bool,
+    /// Whether the fixed basis keeps all coordinates of the parts too: then no number hangs on how many are kept, which
+    /// changes with a part's material, and small differences between designs have no steps.
+    pub untruncated: bool,
     /// Elastic modes that are tracked over the positions to name the families.
     pub tracked: usize,
+}
+
+impl Request {
+    /// The fixed basis where answers reach up to a frequency, Hz.
+    fn basis(&self, frequency: f64) -> BasisOptions {
+        let options = BasisOptions::up_to(frequency);
+        BasisOptions { band: if self.untruncated { f64::INFINITY } else { options.band }, ..options }
+    }
 }
 
 /// The machine at every position around its nominal design.
@@ -56,13 +67,13 @@ impl Prepared {
         probes: &[Design],
         interrupt: &Interrupt,
     ) -> Result<Self, SweepError> {
-        let options = BasisOptions::up_to(request.highest);
+        let options = request.basis(request.highest);
         let mut model = couple(machine, superelements, options)?;
         let reach = reach(&model, machine, request)?;
         let stiffest = stiffest(&model, machine, probes, &request.positions)?;
         if reach > request.highest || stiffest > options.stiffest {
             let stiffest = stiffest.max(options.stiffest);
-            model = couple(machine, superelements, BasisOptions { stiffest, ..BasisOptions::up_to(reach) })?;
+            model = couple(machine, superelements, BasisOptions { stiffest, ..request.basis(reach) })?;
         }
         let shapes = nominal_shapes(&model, machine, request)?;
         let varied = varied_springs(machine, probes);
@@ -86,7 +97,7 @@ impl Prepared {
     ) -> Result<Self, SweepError> {
         let scaled: Vec<Superelement> =
             superelements.iter().zip(scales).map(|(s, scale)| s.scaled(scale.young, scale.density)).collect();
-        let options = BasisOptions { stiffest: self.model.stiffest, ..BasisOptions::up_to(self.reach) };
+        let options = BasisOptions { stiffest: self.model.stiffest, ..request.basis(self.reach) };
         let model = couple(machine, &scaled, options)?;
         let varied = self.around.first().map(|a| a.varied.clone()).unwrap_or_default();
         let around = around_all(&model, machine, request, self.reach, &varied, interrupt)?;
@@ -113,7 +124,7 @@ fn around_all(
 ) -> Result<Vec<Around>, SweepError> {
     // What a part loses in directions that are cut was 3e-3 of a real part where springs became a hundred times as stiff.
     let lossy = machine.parts.iter().any(|part| part.loss_factor.is_some_and(|eta| eta > 0.0));
-    let whole = request.whole_basis || lossy && model.stiffest > AroundOptions::FAR;
+    let whole = request.whole_basis || request.untruncated || lossy && model.stiffest > AroundOptions::FAR;
     let reach = if whole { f64::INFINITY } else { reach };
     let one = |&position: &f64| -> Result<Around, SweepError> {
         if interrupt.requested() {

@@ -65,6 +65,7 @@ fn sensitivities_are_the_slopes_of_the_metrics_in_every_damping() {
             families: vec![1, 2],
             highest: HIGHEST,
             whole_basis: false,
+            untruncated: true,
             tracked: 4,
         };
         let probes = [design(&nominal, &[1.3, 1.2, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0])];
@@ -72,8 +73,9 @@ fn sensitivities_are_the_slopes_of_the_metrics_in_every_damping() {
         let make = |v: &[f64]| -> Result<Design, SweepError> { Ok(design(&nominal, v)) };
         let at = [1.1, 1.05, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
         let found = route.sensitivities(&at, &make).expect("answered");
-        let step = 2e-5;
         for (variable, own) in found.iter().enumerate() {
+            // A part's material turns all coordinates, which leaves more rounding: a longer step.
+            let step = if NAMES[variable] == "modulus" { 4e-4 } else { 2e-5 };
             let beside = [-step, step].map(|h| {
                 let mut moved = at;
                 moved[variable] += h;

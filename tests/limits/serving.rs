@@ -25,6 +25,8 @@ impl Server {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("report.html"), "<p>the page</p>").unwrap();
         std::fs::write(folder.path().join("two words.csv"), "1,2\n").unwrap();
+        // A folder with a manifest is that of a job that has ended.
+        std::fs::write(folder.path().join("manifest.json"), "{}").unwrap();
         // 600 MB that take no disk.
         std::fs::File::create(folder.path().join("large.npy")).unwrap().set_len(600_000_000).unwrap();
         let mut command = program();

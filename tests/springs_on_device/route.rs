@@ -35,6 +35,7 @@ fn evaluate(
         families: Vec::new(),
         highest: 3000.0,
         whole_basis: true,
+        untruncated: false,
         tracked: 0,
     };
     let interrupt = Interrupt::default();

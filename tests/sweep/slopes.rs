@@ -70,6 +70,7 @@ fn wrong_slopes(
         families: study.families.clone(),
         highest: study.band[1],
         whole_basis: false,
+        untruncated: false,
         tracked: study.families.iter().copied().max().unwrap_or(0),
     };
     let n = study.variables.len();
@@ -81,11 +82,16 @@ fn wrong_slopes(
     };
     // The bases hold what is tried: all variables a little to either side.
     let probes = [0.95, 1.05].map(|factor| study.design(&vec![factor; n]));
-    let route = ModesRoute::new(&study.machine, &parts, request, &probes, &interrupt).expect("prepared");
+    let route = ModesRoute::new(&study.machine, &parts, request.clone(), &probes, &interrupt).expect("prepared");
+    // What a part's material changes is differenced by all coordinates: how many are kept would change with it in steps.
+    let untruncated = Request { untruncated: true, ..request };
+    let whole = ModesRoute::new(&study.machine, &parts, untruncated, &probes, &interrupt).expect("prepared");
     let evaluation = route.evaluate(&[study.design(&at)]).swap_remove(0).expect("answered");
     let mut found = route.sensitivities(&at, &|values| Ok(study.design(values))).expect("answered");
     found.rotate_left(shift);
     let results = |values: &[f64]| {
+        let design = study.design(values);
+        let route = if design.parts == study.design(&at).parts { &route } else { &whole };
         let outcome = route.evaluate(&[study.design(values)]).swap_remove(0);
         Row::new(&study, 0, values.to_vec(), &outcome).results
     };
@@ -93,7 +99,9 @@ fn wrong_slopes(
     let (mut wrong, mut compared, mut worst) = (Vec::new(), 0, 0.0_f64);
     for (v, own) in found.iter().enumerate() {
         // Central differences of two steps, extrapolated; small, so that no other peak or position becomes the worst.
-        let step = 2e-4;
+        // A part's material turns all coordinates, which leaves more rounding: a longer step.
+        let of_parts = study.design(&beside(v, 1e-3)).parts != study.design(&at).parts;
+        let step = if of_parts { 1e-3 } else { 2e-4 };
         let rows: Vec<_> = [-2.0, -1.0, 1.0, 2.0].map(|k| results(&beside(v, k * step))).into();
         for metric in &study.metrics {
             let place = columns.iter().position(|c| c.name == metric.name).expect("a column");
