@@ -102,7 +102,7 @@ impl ModesRoute<'_> {
             Ok(below?.iter().zip(&above?).map(|(a, b)| difference(a, b, 2.0 * step)).collect())
         };
         let (near, far) = (central(step)?, central(2.0 * step)?);
-        Ok(near.iter().zip(&far).map(|(near, far)| near.blended(4.0 / 3.0, far, -1.0 / 3.0)).collect())
+        Ok(near.into_iter().zip(&far).map(|(near, far)| near.blended(4.0 / 3.0, far, -1.0 / 3.0)).collect())
     }
 
     /// Differences of second order to one side of a variable at zero, whose scale is not known: the step grows until
