@@ -96,20 +96,25 @@ pub fn reduce_parts(
     // The largest part first, so that it does not run alone at the end.
     let mut order: Vec<usize> = (0..requests.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(meshes[i].mesh.nodes.len()));
+    // A part that fails, or does not fit into the memory, stops those beside it.
+    let all = interrupt.within();
     let one = |&i: &usize| -> Result<(usize, Cached), PipelineError> {
-        if interrupt.requested() {
+        if all.requested() {
             return Err(PipelineError::Interrupted);
         }
         let (request, mesh) = (&requests[i], &meshes[i].mesh);
         let made = match cache {
-            Some(cache) => cache.reduce(request, mesh, Some(interrupt)),
-            None => reduce(request, mesh, Some(interrupt)).map(|superelement| Cached {
+            Some(cache) => cache.reduce(request, mesh, Some(&all)),
+            None => reduce(request, mesh, Some(&all)).map(|superelement| Cached {
                 superelement,
                 hit: false,
                 warnings: Vec::new(),
             }),
         };
         step();
+        if made.is_err() {
+            all.request();
+        }
         match made {
             Err(ReductionError::Linalg { source: LinalgError::Interrupted, .. }) => Err(PipelineError::Interrupted),
             made => Ok((i, made?)),
