@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// How long the computation may take to unwind.
-const PATIENCE: Duration = Duration::from_millis(200);
+/// How long the computation may take to unwind. The system needs as long again to take back the memory of a large job.
+const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Folders of the program's own that unwinding would have removed.
 static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
