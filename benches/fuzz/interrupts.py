@@ -33,10 +33,10 @@ JOBS = {
     "deck": (0.1, ["export", "MACHINE", "--format", "inp", "--out", "OUT/deck.inp"]),
     "check": (1.2, ["check", "MACHINE"]),
     "modes": (8, ["modes", "MACHINE/column.inp", "--modes", "40"]),
-    "band": (25, ["band", "MACHINE", "--no-cache"]),
+    "band": (20, ["band", "MACHINE"]),
     "converge": (25, ["converge", "MACHINE", "SECOND"]),
     "figures": (0.6, ["figures", "RESULT"]),
-    "bench": (10, ["bench"]),
+    "bench": (1.2, ["bench"]),
 }
 
 

@@ -63,7 +63,8 @@ impl PipelineError {
     /// Whether the input is to blame (exit code 2) and not the computation.
     pub fn is_input(&self) -> bool {
         match self {
-            Self::Inputs(_) | Self::Mesh(_) | Self::Solid(_) => true,
+            Self::Mesh(error) => !matches!(error, MeshError::Memory(_)),
+            Self::Inputs(_) | Self::Solid(_) => true,
             Self::Reduction(error) => matches!(error, ReductionError::Solid(_) | ReductionError::NotHeld { .. }),
             Self::Coupling(error) | Self::Modal(ModalError::Coupling(error)) => {
                 !matches!(error, CouplingError::Basis(_))

@@ -80,7 +80,7 @@ fn study(folder: &Path, positions: &str, families: bool) -> PathBuf {
          [variables.guide]\npath = \"joints.guide.stiffness.y\"\nrange = [\"60 N/um\", \"120 N/um\"]\n\
          [sampling]\nmethod = \"latin-hypercube\"\ndesigns = 9\nseed = 3\n\
          [metrics.dyn]\nkind = \"dynamic-stiffness\"\ndirections = [\"tool.x\"]\n{frequency}\
-         [objectives]\ndyn = \"maximise\"\n[optimise]\nobjective = \"dyn\"\nevaluations = 12\n"
+         [objectives]\n\"dyn_tool.x\" = \"maximise\"\n[optimise]\nobjective = \"dyn_tool.x\"\nevaluations = 12\n"
     );
     std::fs::write(&file, text).unwrap();
     file

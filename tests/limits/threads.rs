@@ -71,7 +71,7 @@ fn tables_of_sweeps_and_searches_are_the_same_on_any_number_of_threads() {
 
 #[test]
 fn exports_are_the_same_on_any_number_of_threads() {
-    for form in [&["mtx"][..], &["mtx", "--full"], &["mtx", "--part", "bed"]] {
+    for form in [&["mtx"][..], &["mtx", "--full"], &["mtx", "--part", "carriage"]] {
         alike(&format!("export {form:?}"), |out| {
             let mut job = program();
             // Exports use the cache: an empty one, so that each reduces the parts itself.
