@@ -21,7 +21,8 @@ pub(super) fn admit_positions(
     probes: &[Design],
 ) -> Result<(), SweepError> {
     let own = probes.iter().any(|probe| probe.parts.iter().any(|scale| *scale != PartScale::NOMINAL));
-    let prepared = if own { 2 } else { 1 } * bytes(one);
+    // A third more, for the gaps that matrices formed on the way leave between those that stay.
+    let prepared = if own { 2 } else { 1 } * bytes(one) * 4 / 3;
     let shapes = if families { NUMBER * model.n() * model.n() } else { 0 };
     let need = (positions as u64).saturating_mul((prepared + shapes) as u64);
     Ok(admit(&format!("preparing {positions} positions"), need, room().as_ref(), ADVICE)?)

@@ -24,6 +24,8 @@ impl Server {
     fn start() -> Self {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("report.html"), "<p>the page</p>").unwrap();
+        // A folder without manifest holds no whole result and is not served.
+        std::fs::write(folder.path().join("manifest.json"), "{}").unwrap();
         std::fs::write(folder.path().join("two words.csv"), "1,2\n").unwrap();
         // 600 MB that take no disk.
         std::fs::File::create(folder.path().join("large.npy")).unwrap().set_len(600_000_000).unwrap();
