@@ -6,7 +6,7 @@ Each job runs cold and is sent SIGINT or SIGTERM after a random time within what
 machine (`--longer` scales it). Printed are the job, the last line that it said before, the seconds from the signal to
 its end, and beside them what the machine has to do otherwise: its load, and the seconds that `true` takes to start and
 end. `--second` is the machine on another mesh, for `converge`. Jobs that had ended already are left out; the last line
-is the distribution. The script ends with 1 where one took longer than `--bound` seconds or left a temporary file.
+is the distribution. The script ends with 1 where one took longer than `--bound` seconds, left a temporary file, or ended with another code than 130.
 """
 
 import argparse
@@ -59,7 +59,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     chance = random.Random(arguments.seed)
-    taken, left = [], []
+    taken, left, wrong = [], [], []
     with tempfile.TemporaryDirectory() as result:
         names = [name for name in arguments.jobs.split(",") if name != "converge" or arguments.second]
         if "figures" in names:
@@ -92,6 +92,9 @@ def main():
                     job.wait(120)
                     seconds = time.monotonic() - start
                 where = folder if name != "figures" else pathlib.Path(result)
+                # 0 where the job came to its end meanwhile.
+                if job.returncode not in (0, 130):
+                    wrong.append(f"{name}: exit {job.returncode}")
                 left += [str(p) for p in where.rglob(".*.tmp")]
                 taken.append(seconds)
                 mark = "  <--" if seconds > arguments.bound else ""
@@ -101,8 +104,8 @@ def main():
     taken.sort()
     at = lambda share: taken[min(len(taken) - 1, int(share * len(taken)))]
     print(f"{len(taken)} interrupts: median {at(0.5):.3f} s, 95 % {at(0.95):.3f} s, longest {taken[-1]:.3f} s; "
-          f"temporaries left: {left or 'none'}")
-    sys.exit(1 if taken[-1] > arguments.bound or left else 0)
+          f"temporaries left: {left or 'none'}; ends other than by the interrupt: {wrong or 'none'}")
+    sys.exit(1 if taken[-1] > arguments.bound or left or wrong else 0)
 
 
 if __name__ == "__main__":
