@@ -6,7 +6,8 @@ Each job runs cold and is sent SIGINT or SIGTERM after a random time within what
 machine (`--longer` scales it). Printed are the job, the last line that it said before, the seconds from the signal to
 its end, and beside them what the machine has to do otherwise: its load, and the seconds that `true` takes to start and
 end. `--second` is the machine on another mesh, for `converge`. Jobs that had ended already are left out; the last line
-is the distribution. The script ends with 1 where one took longer than `--bound` seconds, left a temporary file, or ended with another code than 130.
+is the distribution. The script ends with 1 where one took longer than `--bound` seconds, left a temporary file, or
+ended with another code than 130.
 """
 
 import argparse
@@ -70,7 +71,8 @@ def main():
             with tempfile.TemporaryDirectory() as out:
                 log = pathlib.Path(out) / "log"
                 folder = pathlib.Path(out) / "out"
-                places = {"MACHINE": arguments.machine, "SECOND": arguments.second, "RESULT": result, "OUT": str(folder)}
+                places = {"MACHINE": arguments.machine, "SECOND": arguments.second, "RESULT": result}
+                places["OUT"] = str(folder)
                 for placeholder, path in places.items():
                     words = [word.replace(placeholder, path) for word in words]
                 # An empty cache, for the commands that have no --no-cache.
