@@ -113,10 +113,7 @@ pub fn reduce_parts(
             }),
         };
         step();
-        if made.is_err() {
-            all.request();
-        }
-        match made {
+        match made.inspect_err(|_| all.request()) {
             Err(ReductionError::Linalg { source: LinalgError::Interrupted, .. }) => Err(PipelineError::Interrupted),
             made => Ok((i, made?)),
         }
