@@ -14,9 +14,11 @@ import random
 import re
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 
 SECONDS = 10
 BYTES = 1 << 30
@@ -55,6 +57,23 @@ def limit():
     resource.setrlimit(resource.RLIMIT_DATA, (4 * BYTES, 4 * BYTES))
 
 
+def end_of(run):
+    """Exit code and resources of a child, its own alone, and whether it was killed for its time."""
+    late = threading.Event()
+
+    def kill():
+        late.set()
+        os.kill(run.pid, signal.SIGKILL)
+
+    clock = threading.Timer(SECONDS, kill)
+    clock.start()
+    # wait4 says what this child took; RUSAGE_CHILDREN is the largest of all children so far.
+    _, status, usage = os.wait4(run.pid, 0)
+    clock.cancel()
+    run.returncode = os.waitstatus_to_exitcode(status)
+    return run.returncode, usage, late.is_set()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("program", type=pathlib.Path)
@@ -84,12 +103,9 @@ def main():
             run = subprocess.Popen(
                 [arguments.program, *command], stdout=subprocess.DEVNULL, stderr=errors, cwd=folder, preexec_fn=limit
             )
-            try:
-                run.wait(SECONDS)
-            except subprocess.TimeoutExpired:
-                run.kill()
+            status, usage, late = end_of(run)
+            if late:
                 why = f"longer than {SECONDS} s"
-            _, status, usage = (run.pid, run.returncode, resource.getrusage(resource.RUSAGE_CHILDREN))
             errors.close()
             said = (folder / "stderr").read_text(errors="replace")
             ends[status] = ends.get(status, 0) + 1

@@ -9,6 +9,8 @@ use stiffmap::coupling::reduction_requests;
 use stiffmap::machine::{Contact, Grid, JointKind, Machine, Motion, Part, ScrewSupport, SpringStiffness, read_machine};
 use stiffmap::mesh::MeshFile;
 use stiffmap::pipeline;
+use stiffmap::reduction::{REDUCTION_ADVICE, ReductionRequest, admit_assemblies, foreseen};
+use stiffmap::resources::{Size, admit, room};
 use stiffmap::solid::{SecondOrder, assemble};
 
 #[derive(Args, Debug)]
@@ -41,6 +43,7 @@ fn describe(machine: &Machine, meshes: &[MeshFile], warnings: &mut Vec<String>) 
     let mut unknowns = 0;
     let mut surfaces = Vec::new();
     let mut systems = Vec::new();
+    admit_assemblies(meshes.iter().map(|file| &file.mesh))?;
     for (part, file) in machine.parts.iter().zip(meshes) {
         let system = assemble(part, &file.mesh).map_err(pipeline::PipelineError::from)?;
         writeln!(
@@ -65,10 +68,8 @@ fn describe(machine: &Machine, meshes: &[MeshFile], warnings: &mut Vec<String>) 
     let pairs = |system: &SecondOrder| system.surfaces.iter().cloned().zip(system.interfaces.iter().cloned()).collect();
     let requests = reduction_requests(machine, &systems.iter().map(pairs).collect::<Vec<_>>());
     let coordinates: usize = requests.iter().zip(&surfaces).map(|(r, s)| r.most_coordinates(s)).sum();
-    writeln!(
-        out,
-        "unknowns before the reduction: {unknowns}; coordinates after the reduction: at most {coordinates}\n"
-    )?;
+    writeln!(out, "unknowns before the reduction: {unknowns}; coordinates after the reduction: at most {coordinates}")?;
+    describe_memory(&mut out, &requests, &systems, warnings)?;
     describe_joints(&mut out, machine, &centroids)?;
     describe_axis(&mut out, machine)?;
     for free in pipeline::mechanisms(machine, meshes, &systems, machine.axis.travel[0])? {
@@ -79,6 +80,26 @@ fn describe(machine: &Machine, meshes: &[MeshFile], warnings: &mut Vec<String>) 
         writeln!(out, "warning: {warning}")?;
     }
     Ok(out)
+}
+
+/// What the reduction is expected to take, and what there is: the figures by which `run` refuses a part.
+fn describe_memory(
+    out: &mut String,
+    requests: &[ReductionRequest],
+    systems: &[SecondOrder],
+    warnings: &mut Vec<String>,
+) -> Result<()> {
+    let room = room();
+    let mut parts = Vec::new();
+    for (request, system) in requests.iter().zip(systems) {
+        let (name, bytes) = (&request.part.name, foreseen(request, system)?);
+        parts.push(format!("{name} {}", Size(bytes)));
+        let what = format!("the reduction of part \"{name}\" with {} unknowns", system.n_dof());
+        warnings.extend(admit(&what, bytes, room.as_ref(), REDUCTION_ADVICE).err().map(|error| error.to_string()));
+    }
+    let left = room.map_or_else(|| "not known here".into(), |room| format!("{} by {}", Size(room.bytes), room.limit));
+    writeln!(out, "memory of the reduction: {}; left: {left}\n", parts.join(", "))?;
+    Ok(())
 }
 
 /// Where a part is held to ground.

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use nalgebra::DMatrix;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use stiffmap::coupling::{Unreduced, assembled};
+use stiffmap::coupling::{Unreduced, assembled, assembled_bytes};
 use stiffmap::export::deck::{element_differences, write_deck};
 use stiffmap::export::manifest::Manifest;
 use stiffmap::export::matrix_market::{DofRow, write_dense, write_dofs, write_sets, write_sparse};
@@ -18,7 +18,8 @@ use stiffmap::machine::{Machine, Part, Region, SurfaceCoupling, read_machine};
 use stiffmap::matrix::GivenNodes;
 use stiffmap::mesh::{Mesh, MeshFile};
 use stiffmap::pipeline::{self, PipelineError};
-use stiffmap::reduction::{Cache, Superelement};
+use stiffmap::reduction::{Cache, Superelement, admit_assemblies, admit_assembly};
+use stiffmap::resources::{admit, room};
 use stiffmap::solid::{SecondOrder, assemble, interface_motions};
 
 #[derive(Args, Debug)]
@@ -132,6 +133,7 @@ fn write_part(out: &Path, begin: Begin<'_>, part: &Part, mesh: &Mesh) -> Result<
     let mut part = part.clone();
     // A rigid interface has no rows of its own nodes left; whoever reads the matrices couples it.
     part.interfaces.iter_mut().for_each(|i| i.coupling = SurfaceCoupling::Distributing);
+    admit_assembly(&part.name, mesh)?;
     let system = assemble(&part, mesh).map_err(PipelineError::from)?;
     let label = |(node, direction): (usize, usize)| (mesh.node_labels[node], direction, mesh.nodes[node]);
     let rows: Vec<DofRow> = system.node_of_unknown().into_iter().map(|node| node.map(label)).collect();
@@ -171,9 +173,12 @@ fn write_full(
     files: &[MeshFile],
     springs: &Unreduced,
 ) -> Result<Vec<&'static str>> {
+    admit_assemblies(files.iter().map(|file| &file.mesh))?;
     let pairs = machine.parts.iter().zip(files);
     let systems = pairs.map(|(part, file)| assemble(part, &file.mesh).map_err(PipelineError::from));
     let systems = systems.collect::<Result<Vec<SecondOrder>, _>>()?;
+    let advice = "take coarser meshes or smaller interfaces, or export the reduced machine (without --full)";
+    admit("the unreduced machine", assembled_bytes(&systems, springs), room().as_ref(), advice)?;
     let whole = assembled(&systems, springs);
     let mut first = vec![1];
     first.extend(files.iter().scan(1, |next, file| {

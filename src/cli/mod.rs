@@ -142,7 +142,7 @@ pub fn exit_code(error: &anyhow::Error, interrupt: &Interrupt) -> Exit {
     }
     let input = error.is::<UsageError>()
         || error.is::<MachineError>()
-        || error.is::<MeshError>()
+        || error.downcast_ref::<MeshError>().is_some_and(|e| !matches!(e, MeshError::Memory(_)))
         || error.is::<StudyError>()
         || error.downcast_ref::<FolderError>().is_some_and(FolderError::is_input)
         || error.downcast_ref::<TableError>().is_some_and(TableError::is_input)

@@ -11,6 +11,7 @@ use stiffmap::linalg::{FreeSpectrum, LinalgError, shift_invert_modes};
 use stiffmap::machine::{Part, Placement};
 use stiffmap::mesh::inp::{Deck, FrequencyStep, read_deck};
 use stiffmap::pipeline::PipelineError;
+use stiffmap::reduction::{admit_assembly, admit_modes};
 use stiffmap::solid::{SecondOrder, assemble};
 
 #[derive(Args, Debug)]
@@ -38,13 +39,15 @@ pub fn modes(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
         let at = if warning.line > 0 { format!(":{}", warning.line) } else { String::new() };
         streams::say(&format!("warning: {}{at}: {}", arguments.deck.display(), warning.text));
     }
-    let system = assemble(&whole(&arguments.deck), &mesh).map_err(PipelineError::from)?;
+    let part = whole(&arguments.deck);
+    admit_assembly(&part.name, &mesh)?;
+    let system = assemble(&part, &mesh).map_err(PipelineError::from)?;
     // Incompatible modes of C3D8I are unknowns of no node; they move alone where every node is held.
     if system.node_of_unknown().iter().all(Option::is_none) {
         let text = format!("{}: every displacement is held; release some", arguments.deck.display());
         return Err(UsageError(text).into());
     }
-    let spectrum = solve(&system, frequency, interrupt)?;
+    let spectrum = solve(&part.name, &system, frequency, interrupt)?;
     let hertz = |l: &f64| l.max(0.0).sqrt() / std::f64::consts::TAU;
     let listed: Vec<(usize, f64)> = spectrum
         .eigenvalues
@@ -93,7 +96,7 @@ fn whole(deck: &std::path::Path) -> Part {
 }
 
 /// As many modes as lie in the step's range, up to its number.
-fn solve(system: &SecondOrder, step: FrequencyStep, interrupt: &Interrupt) -> Result<FreeSpectrum> {
+fn solve(name: &str, system: &SecondOrder, step: FrequencyStep, interrupt: &Interrupt) -> Result<FreeSpectrum> {
     let failed = |error: LinalgError| match error {
         LinalgError::Interrupted => anyhow::Error::from(PipelineError::Interrupted),
         error => anyhow::Error::from(error).context("the modes could not be computed"),
@@ -101,6 +104,7 @@ fn solve(system: &SecondOrder, step: FrequencyStep, interrupt: &Interrupt) -> Re
     let ordering = system.ordering().map_err(failed)?;
     let mut wanted = step.modes;
     loop {
+        admit_modes(name, system, &ordering, wanted)?;
         let found = shift_invert_modes(
             &system.stiffness,
             &system.mass,

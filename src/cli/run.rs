@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use stiffmap::export::manifest::{Check, Manifest};
 use stiffmap::export::response::safe;
 use stiffmap::export::{eigenfrequencies, mat5};
+use stiffmap::figures::report::admit_page;
 use stiffmap::frf::metrics::{PairMetrics, direct_pairs};
 use stiffmap::frf::{FrfRequest, ModalSystem, Selection, Truncation, modal_systems};
 use stiffmap::gpu::{Backend, BackendOptions, BackendReport, Precision};
@@ -137,6 +138,9 @@ pub fn run(arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let limit = map_limit(arguments.map_memory);
     let shapes = (axes.positions.len() * model.n() * model.n() * size_of::<f64>()) as u64;
     let few = shapes <= limit.max(KEPT_SHAPES);
+    if !arguments.no_figures {
+        admit_page(&model, &superelements, axes.positions.len(), !few)?;
+    }
     let solve = if few { pipeline::solve_positions } else { pipeline::solve_many_positions };
     let solved = loop {
         let solved = progress.stage("modes", axes.positions.len(), |step| {

@@ -3,7 +3,7 @@
 use super::Unreduced;
 use crate::linalg::{SparseBuilder, SparseSymmetric};
 use crate::solid::SecondOrder;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The machine's stiffness and mass at one position.
 #[derive(Clone, Debug)]
@@ -27,6 +27,23 @@ pub struct AssembledRow {
     /// Where the node is, m; zero without a node.
     pub at: [f64; 3],
 }
+
+/// Bytes that [`assembled`] takes beside the parts' own systems, at most: the pattern, two matrices and the text of
+/// their rows on the way to a file, of all entries of the parts and all that springs add. A spring couples every
+/// unknown of both surfaces with every other.
+pub fn assembled_bytes(systems: &[SecondOrder], machine: &Unreduced) -> u64 {
+    let own: u64 = systems.iter().map(|system| system.stiffness.entries() as u64).sum();
+    let mut joined = BTreeSet::new();
+    for spring in &machine.springs {
+        joined.insert(spring.sides.iter().map(|(interface, _)| *interface).collect::<Vec<_>>());
+    }
+    let unknowns = |interface: &usize| 3 * machine.interfaces[*interface].motion.rows.nodes.len() as u64;
+    let of_springs: u64 = joined.iter().map(|sides| sides.iter().map(unknowns).sum::<u64>().pow(2)).sum();
+    ENTRY * (own + of_springs)
+}
+
+/// Bytes an entry: its place in the pattern, which grows by doubling, and in two matrices with column and value.
+const ENTRY: u64 = 56;
 
 /// Puts the parts' systems side by side and adds the springs.
 pub fn assembled(systems: &[SecondOrder], machine: &Unreduced) -> Assembled {
@@ -60,11 +77,10 @@ pub fn assembled(systems: &[SecondOrder], machine: &Unreduced) -> Assembled {
     for (_, row) in &springs {
         for i in row.keys() {
             pattern[*i].extend(row.keys());
+            // Springs of one joint have the same unknowns: kept until the end, each would count again.
+            pattern[*i].sort_unstable();
+            pattern[*i].dedup();
         }
-    }
-    for row in &mut pattern {
-        row.sort_unstable();
-        row.dedup();
     }
     let (mut stiffness, mut mass) = (SparseBuilder::new(&pattern), SparseBuilder::new(&pattern));
     for (system, first) in systems.iter().zip(&first) {

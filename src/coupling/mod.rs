@@ -27,7 +27,7 @@ mod training;
 mod unreduced;
 
 pub use around::{Around, AroundCoupled, AroundOptions};
-pub use assembled::{Assembled, AssembledRow, assembled};
+pub use assembled::{Assembled, AssembledRow, assembled, assembled_bytes};
 pub use basis::{BasisOptions, ResidualEnergy};
 pub use eigen::CoupledEigen;
 pub use fixed_position::at_fixed_position;

@@ -27,6 +27,9 @@ pub enum MeshError {
     /// A part's matrices are not usable.
     #[error(transparent)]
     Matrix(#[from] crate::matrix::MatrixError),
+    /// There is not enough memory for the text.
+    #[error(transparent)]
+    Memory(#[from] crate::resources::NoMemory),
     /// The file is missing or may not be read.
     #[error("{}: cannot read the mesh file: {source}; correct the name or the permissions", file.display())]
     Unreadable {

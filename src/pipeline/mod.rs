@@ -63,7 +63,8 @@ impl PipelineError {
     /// Whether the input is to blame (exit code 2) and not the computation.
     pub fn is_input(&self) -> bool {
         match self {
-            Self::Inputs(_) | Self::Mesh(_) | Self::Solid(_) => true,
+            Self::Mesh(error) => !matches!(error, MeshError::Memory(_)),
+            Self::Inputs(_) | Self::Solid(_) => true,
             Self::Reduction(error) => matches!(error, ReductionError::Solid(_) | ReductionError::NotHeld { .. }),
             Self::Coupling(error) | Self::Modal(ModalError::Coupling(error)) => {
                 !matches!(error, CouplingError::Basis(_))
@@ -96,21 +97,23 @@ pub fn reduce_parts(
     // The largest part first, so that it does not run alone at the end.
     let mut order: Vec<usize> = (0..requests.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(meshes[i].mesh.nodes.len()));
+    // A part that fails, or does not fit into the memory, stops those beside it.
+    let all = interrupt.within();
     let one = |&i: &usize| -> Result<(usize, Cached), PipelineError> {
-        if interrupt.requested() {
+        if all.requested() {
             return Err(PipelineError::Interrupted);
         }
         let (request, mesh) = (&requests[i], &meshes[i].mesh);
         let made = match cache {
-            Some(cache) => cache.reduce(request, mesh, Some(interrupt)),
-            None => reduce(request, mesh, Some(interrupt)).map(|superelement| Cached {
+            Some(cache) => cache.reduce(request, mesh, Some(&all)),
+            None => reduce(request, mesh, Some(&all)).map(|superelement| Cached {
                 superelement,
                 hit: false,
                 warnings: Vec::new(),
             }),
         };
         step();
-        match made {
+        match made.inspect_err(|_| all.request()) {
             Err(ReductionError::Linalg { source: LinalgError::Interrupted, .. }) => Err(PipelineError::Interrupted),
             made => Ok((i, made?)),
         }

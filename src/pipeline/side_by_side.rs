@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// Results of a step for each item, computed by as many threads as rayon has.
 ///
 /// The threads are not rayon's: one of those, while it waits for a product that others finish, would begin another
-/// part in between, and hold the memory of both. The first error ends the rest.
+/// part in between, and hold the memory of both. The first error ends the rest, and is the one that is told: what it
+/// stopped says only that it was stopped.
 pub(super) fn side_by_side<T: Send>(
     items: &[usize],
     one: &(dyn Fn(&usize) -> Result<T, PipelineError> + Sync),
@@ -29,5 +30,12 @@ pub(super) fn side_by_side<T: Send>(
         started.into_iter().map(|thread| thread.join()).collect()
     });
     let whole = |made: std::thread::Result<Vec<_>>| made.unwrap_or_else(|fault| std::panic::resume_unwind(fault));
-    all.into_iter().flat_map(whole).collect()
+    let (mut found, mut stopped) = (Vec::with_capacity(items.len()), Ok(()));
+    for made in all.into_iter().flat_map(whole) {
+        match made {
+            Err(PipelineError::Interrupted) => stopped = Err(PipelineError::Interrupted),
+            made => found.push(made?),
+        }
+    }
+    stopped.map(|()| found)
 }

@@ -30,6 +30,7 @@ mod superelement;
 
 pub use beyond::Beyond;
 pub use cache::{Cache, CacheError, Cached};
+pub use memory::{REDUCTION_ADVICE, admit_assemblies, admit_assembly, admit_modes, foreseen};
 pub use skin::{MOST_SKIN_NODES, ReducedSkin, Skin, skin};
 pub use superelement::{
     LEAST_SHARE, RailSpring, RailTraining, ReducedInterface, ReducedRail, ReductionRequest, Superelement, reduce,

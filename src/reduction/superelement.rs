@@ -222,7 +222,7 @@ pub fn reduce(
     stop()?;
     let ordering = system.ordering().map_err(failed)?;
     stop()?;
-    let sizes = (request.most_motions(&system.surfaces), request.component.modes, request.component.second_moment);
+    let sizes = super::memory::columns_and_modes(request, &system);
     let _share = super::memory::share(&part.name, &system, &ordering, sizes, interrupt)?;
     let flexibility = Flexibility::new(&system, &ordering).map_err(failed)?;
     let motions = interface_motions(&system, request, interrupt).map_err(failed)?;

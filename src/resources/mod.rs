@@ -73,9 +73,17 @@ pub fn admit(what: &str, need: u64, room: Option<&Room>, advice: &str) -> Result
     }
 }
 
-/// The room of this process now; `None` where the system does not say.
+/// What a thread that multiplies dense matrices sets aside for itself, bytes. Little of it is ever touched, but the
+/// limits of a process count it all.
+const BUFFER_OF_A_THREAD: u64 = 64 << 20;
+/// Threads beside those of the pool that multiply: the main one, and those that reduce parts.
+const OTHER_THREADS: u64 = 2;
+
+/// The room of this process now, less what its threads still set aside where a limit counts that; `None` where the system
+/// does not say.
 pub fn room() -> Option<Room> {
-    room_below(Path::new("/"))
+    let threads = rayon::current_num_threads() as u64 + OTHER_THREADS;
+    smallest(Path::new("/"), threads * BUFFER_OF_A_THREAD)
 }
 
 /// The largest memory that this process has held so far, bytes; `None` where the system does not say.
@@ -88,14 +96,18 @@ fn used() -> Option<u64> {
     kilobytes(&read(Path::new("/proc/self/status"))?, "VmRSS:")
 }
 
-/// [`room`] with `/proc` and `/sys` below another folder.
+/// The room with `/proc` and `/sys` below another folder.
 pub fn room_below(root: &Path) -> Option<Room> {
+    smallest(root, 0)
+}
+
+fn smallest(root: &Path, set_aside: u64) -> Option<Room> {
     let mut rooms = Vec::new();
     if let Some(bytes) = read(&root.join("proc/meminfo")).and_then(|text| kilobytes(&text, "MemAvailable:")) {
         rooms.push(Room { bytes, limit: "the machine".to_owned() });
     }
     rooms.extend(groups(root));
-    rooms.extend(of_process(root));
+    rooms.extend(of_process(root).into_iter().map(|r| Room { bytes: r.bytes.saturating_sub(set_aside), ..r }));
     rooms.into_iter().min_by_key(|room| room.bytes)
 }
 

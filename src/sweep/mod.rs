@@ -10,6 +10,7 @@ mod design;
 mod device;
 pub mod goals;
 pub mod machine_values;
+mod memory;
 pub mod metrics;
 mod modes_route;
 pub mod optimise;
@@ -85,6 +86,9 @@ impl From<crate::gpu::GpuError> for SweepError {
 /// Why a design or a sweep could not be answered.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
+    /// The prepared positions do not fit into the memory.
+    #[error(transparent)]
+    Memory(#[from] crate::resources::NoMemory),
     /// The design cannot be coupled, such as a screw without length.
     #[error(transparent)]
     Coupling(#[from] crate::coupling::CouplingError),

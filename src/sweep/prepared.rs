@@ -1,5 +1,6 @@
 //! What does not change from design to design: parts reduced once, positions prepared once.
 
+use super::memory::admit_positions;
 use super::{Design, PartScale, SweepError};
 use crate::coupling::{Around, AroundOptions, BasisOptions, CoupledModel, couple};
 use crate::interrupt::Interrupt;
@@ -75,8 +76,14 @@ impl Prepared {
             let stiffest = stiffest.max(options.stiffest);
             model = couple(machine, superelements, BasisOptions { stiffest, ..request.basis(reach) })?;
         }
-        let shapes = nominal_shapes(&model, machine, request)?;
         let varied = varied_springs(machine, probes);
+        if let Some(first) = request.positions.first() {
+            let alone = Request { positions: vec![*first], ..request.clone() };
+            let one = around_all(&model, machine, &alone, reach, &varied, interrupt)?;
+            let what = (&model, !request.families.is_empty());
+            admit_positions(&one[0], request.positions.len(), what, probes)?;
+        }
+        let shapes = nominal_shapes(&model, machine, request)?;
         let around = around_all(&model, machine, request, reach, &varied, interrupt)?;
         let families =
             around.iter().zip(&shapes).map(|(around, shapes)| in_coordinates(around, shapes, None)).collect();

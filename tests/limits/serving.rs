@@ -24,6 +24,8 @@ impl Server {
     fn start() -> Self {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("report.html"), "<p>the page</p>").unwrap();
+        // A folder without manifest holds no whole result and is not served.
+        std::fs::write(folder.path().join("manifest.json"), "{}").unwrap();
         std::fs::write(folder.path().join("two words.csv"), "1,2\n").unwrap();
         // A folder with a manifest is that of a job that has ended.
         std::fs::write(folder.path().join("manifest.json"), "{}").unwrap();

@@ -61,11 +61,11 @@ pub struct Database {
 }
 
 /// Bytes that the positions' share of a page's modal data takes, about; the parts' surfaces come on top.
-const BUDGET: usize = 5_000_000;
+pub(super) const BUDGET: usize = 5_000_000;
 /// Directions that the shapes of all positions take, about.
 const SHAPE_DIRECTIONS: usize = 100;
 /// Positions of a page at most, and at least.
-const POSITIONS: [usize; 2] = [11, 241];
+pub(super) const POSITIONS: [usize; 2] = [11, 241];
 
 /// The positions that a page has room for, from what one takes; of the ports only the outputs are stored where inputs are
 /// the same.

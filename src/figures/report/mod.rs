@@ -10,6 +10,7 @@ pub mod arrays;
 mod database;
 mod header;
 mod local;
+mod memory;
 mod pack;
 mod page;
 mod shapes;
@@ -19,6 +20,7 @@ pub use accuracy::Accuracy;
 pub use database::{Database, DatabaseInput};
 pub use header::{CoupledEntry, Group, Header, SpringEntry, TableEntry, VeeringEntry};
 pub use local::PAGE;
+pub use memory::admit_page;
 pub use page::{DATABASE_FILE, PAGE_FILE, page, write_page};
 pub use shapes::PartSkin;
 

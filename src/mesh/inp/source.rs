@@ -6,6 +6,7 @@
 use super::lines::{canonical, parameters, split, unquoted};
 use crate::files::Inputs;
 use crate::mesh::{MeshError, Spot};
+use crate::resources::{admit, room};
 use std::path::{Path, PathBuf};
 
 type Result<T> = std::result::Result<T, MeshError>;
@@ -15,6 +16,8 @@ const DEEPEST: usize = 16;
 /// `*INCLUDE` lines that are followed in one input file with everything that it includes, and bytes of its files.
 const MOST_INCLUDES: usize = 1000;
 const MOST_BYTES: u64 = 4 << 30;
+/// Includes up to so many bytes are read without a look at the memory that is left.
+const SMALL: u64 = 1 << 20;
 /// Bytes of text that stand in the whole because a file is included again.
 const MOST_AGAIN: u64 = 64 << 20;
 
@@ -171,6 +174,12 @@ impl Source {
         self.bytes = self.bytes.saturating_add(metadata.len());
         if !metadata.is_file() || self.bytes > MOST_BYTES {
             return Err(refuse(format!("it is not a plain file, or the whole exceeds {MOST_BYTES} bytes")));
+        }
+        if metadata.len() > SMALL {
+            let before = (self.bytes - metadata.len()) >> 20;
+            let what = format!("{spot}: beside {before} MB of text the included file {}", path.display());
+            let advice = "take out what the mesh does not need, or a machine or limit with more memory";
+            admit(&what, metadata.len(), room().as_ref(), advice)?;
         }
         let bytes = self.inputs.read(&path).map_err(failed)?;
         self.keep(bytes, &path, Some(real))
