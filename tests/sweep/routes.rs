@@ -50,15 +50,8 @@ fn factors() -> impl FnMut() -> f64 {
 fn request(machine: &Machine, highest: f64, positions: Vec<f64>) -> Request {
     let frequencies = (0..=450).map(|k| highest * k as f64 / 450.0).collect();
     assert!(positions.iter().all(|p| machine.axis.stations().contains(p)), "stations");
-    Request {
-        positions,
-        frequencies,
-        families: Vec::new(),
-        highest,
-        whole_basis: false,
-        untruncated: false,
-        tracked: 0,
-    }
+    let families = Vec::new();
+    Request { positions, frequencies, families, highest, whole_basis: false, untruncated: false, tracked: 0 }
 }
 
 fn slide_with(damping: Damping) -> Machine {
