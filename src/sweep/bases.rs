@@ -75,7 +75,7 @@ impl<'a> Bases<'a> {
         evaluate: impl Fn(&Prepared, &[&Design]) -> Vec<Result<Evaluation, SweepError>>,
     ) -> Result<Evaluation, SweepError> {
         let request = Request { untruncated: true, ..self.request.clone() };
-        let base = &design.machine;
+        let base = if self.is_far(design)? { &design.machine } else { self.machine };
         let prepared = self.nominal.scaled(base, self.superelements, &design.parts, &request, self.interrupt);
         let prepared = prepared.map_err(|error| SweepError::Parts { message: error.to_string() })?;
         evaluate(&prepared, &[design]).swap_remove(0)

@@ -2,7 +2,7 @@
 
 use super::memory::admit_positions;
 use super::{Design, PartScale, SweepError};
-use crate::coupling::{Around, AroundOptions, BasisOptions, CoupledModel, couple};
+use crate::coupling::{Around, BasisOptions, CoupledModel, couple};
 use crate::interrupt::Interrupt;
 use crate::linalg::{multiply, multiply_transposed};
 use crate::machine::{Joint, Machine, SpringStiffness};
@@ -129,9 +129,7 @@ fn around_all(
     varied: &[usize],
     interrupt: &Interrupt,
 ) -> Result<Vec<Around>, SweepError> {
-    // What a part loses in directions that are cut was 3e-3 of a real part where springs became a hundred times as stiff.
-    let lossy = machine.parts.iter().any(|part| part.loss_factor.is_some_and(|eta| eta > 0.0));
-    let whole = request.whole_basis || request.untruncated || lossy && model.stiffest > AroundOptions::FAR;
+    let whole = request.whole_basis || request.untruncated;
     let reach = if whole { f64::INFINITY } else { reach };
     let one = |&position: &f64| -> Result<Around, SweepError> {
         if interrupt.requested() {

@@ -25,7 +25,7 @@ use std::f64::consts::TAU;
 /// Relative step of the central differences.
 const STEP: f64 = 1e-4;
 /// The same to a part's material, which turns all coordinates and leaves more rounding: 5e-10 of a metric.
-const PART_STEP: f64 = 5e-4;
+const PART_STEP: f64 = 2e-4;
 /// The first and the last step from zero, in the variable's unit.
 const SMALLEST_STEP: f64 = 1e-9;
 const LARGEST_STEP: f64 = 1e15;

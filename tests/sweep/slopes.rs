@@ -101,7 +101,7 @@ fn wrong_slopes(
         // Central differences of two steps, extrapolated; small, so that no other peak or position becomes the worst.
         // A part's material turns all coordinates, which leaves more rounding: a longer step.
         let of_parts = study.design(&beside(v, 1e-3)).parts != study.design(&at).parts;
-        let step = if of_parts { 1e-3 } else { 2e-4 };
+        let (step, felt) = if of_parts { (1e-3, 5.0 * FELT) } else { (2e-4, FELT) };
         let rows: Vec<_> = [-2.0, -1.0, 1.0, 2.0].map(|k| results(&beside(v, k * step))).into();
         for metric in &study.metrics {
             let place = columns.iter().position(|c| c.name == metric.name).expect("a column");
@@ -111,7 +111,7 @@ fn wrong_slopes(
             let expected = (4.0 * near - far) / 3.0;
             let slope = metric.rate(&evaluation, own).expect("a slope");
             let size = 0.5 * (value(2) + value(1)).abs();
-            let off = (slope - expected).abs() / expected.abs().max(FELT * size);
+            let off = (slope - expected).abs() / expected.abs().max(felt * size);
             compared += 1;
             worst = worst.max(off);
             if off.is_nan() || off > AGREES {
