@@ -107,7 +107,7 @@ pub fn choose<'a>(
     interrupt: &'a Interrupt,
 ) -> Result<Chosen<'a>> {
     let machine = &study.machine;
-    let request = request(study);
+    let request = Request::of(study);
     let probes = study.probes();
     let (coupling, why) = match route {
         Route::Modes => (false, "asked for".to_owned()),
@@ -179,19 +179,6 @@ fn apart(study: &Study, reason: &str, coupling: &dyn Evaluator, modes: &dyn Eval
          --route modes",
         100.0 * off
     )
-}
-
-/// What a study asks of each design.
-pub fn request(study: &Study) -> Request {
-    Request {
-        positions: study.positions.clone(),
-        frequencies: study.frequencies(),
-        families: study.families.clone(),
-        highest: study.band[1],
-        whole_basis: false,
-        untruncated: false,
-        tracked: study.families.iter().copied().max().unwrap_or(0),
-    }
 }
 
 /// Springs that vary up to which the coupling route costs less than an eigenproblem.

@@ -1,17 +1,16 @@
 //! Sensitivities of a design's metrics as a table.
 
-use super::evaluator::request;
 use anyhow::Result;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::reduction::Superelement;
 use stiffmap::sweep::metrics::Over;
 use stiffmap::sweep::table::{Row, number};
-use stiffmap::sweep::{Evaluator, ModesRoute, Study};
+use stiffmap::sweep::{Evaluator, ModesRoute, Request, Study};
 
 /// One line a variable: its value, and the derivative of each metric by it; empty where a value is missing, and for
 /// names, which have no derivative.
 pub fn rates(study: &Study, superelements: &[Superelement], row: &Row, interrupt: &Interrupt) -> Result<Vec<u8>> {
-    let route = ModesRoute::new(&study.machine, superelements, request(study), &study.probes(), interrupt)?;
+    let route = ModesRoute::new(&study.machine, superelements, Request::of(study), &study.probes(), interrupt)?;
     let evaluation = route.evaluate(&[study.design(&row.values)]).swap_remove(0)?;
     // Names stay as they are; the others vary.
     let varied: Vec<usize> = (0..row.values.len()).filter(|&v| !study.variables[v].is_name()).collect();

@@ -1,5 +1,5 @@
-//! What memory a reduction and the modes of a part take, from the symbolic factorisation: the pattern of the matrix says how many numbers its
-//! factor has before one of them is computed.
+//! What memory a reduction and the modes of a part take, from the symbolic factorisation: the pattern of the matrix says
+//! how many numbers its factor has before one of them is computed.
 //!
 //! Largest when the modes are counted: two factors (the one that is solved with, and the one whose inertia counts),
 //! copies of the matrix, and blocks of vectors. Or in the end, when the basis, its image under the stiffness and the

@@ -1,6 +1,6 @@
 //! Which prepared machine answers which design.
 
-use super::{Design, Evaluation, PartScale, Prepared, Request, SweepError};
+use super::{Design, Evaluation, Kept, PartScale, Prepared, Request, SweepError};
 use crate::interrupt::Interrupt;
 use crate::machine::Machine;
 use crate::reduction::Superelement;
@@ -74,7 +74,7 @@ impl<'a> Bases<'a> {
         design: &Design,
         evaluate: impl Fn(&Prepared, &[&Design]) -> Vec<Result<Evaluation, SweepError>>,
     ) -> Result<Evaluation, SweepError> {
-        let request = Request { untruncated: true, ..self.request.clone() };
+        let request = Request { kept: Kept::All, ..self.request.clone() };
         let base = if self.is_far(design)? { &design.machine } else { self.machine };
         let prepared = self.nominal.scaled(base, self.superelements, &design.parts, &request, self.interrupt);
         let prepared = prepared.map_err(|error| SweepError::Parts { message: error.to_string() })?;

@@ -8,7 +8,7 @@
 use super::bases::Bases;
 use super::device::{BackendUse, SpringBackend};
 use super::modes_route::static_compliance;
-use super::{Design, Evaluation, Evaluator, PositionMetrics, Prepared, Request, SweepError};
+use super::{Design, Evaluation, Evaluator, Kept, PositionMetrics, Prepared, Request, SweepError};
 use crate::coupling::{Around, SpringValues};
 use crate::frf::metrics::{Extremum, PairMetrics, direct_pairs_of};
 use crate::frf::modification::{BaseMode, BaseReceptance, SpringChange, Work};
@@ -60,7 +60,7 @@ impl<'a> CouplingRoute<'a> {
         if !request.families.is_empty() {
             return Err(SweepError::NeedsModes);
         }
-        let request = Request { whole_basis: true, ..request };
+        let request = Request { kept: Kept::FixedBasis, ..request };
         let bases = Bases::new(machine, superelements, request, probes, interrupt)?;
         let model = &bases.nominal.model;
         let softest = softest(&bases.nominal, probes);

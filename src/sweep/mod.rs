@@ -35,7 +35,7 @@ pub use coupling_route::CouplingRoute;
 pub use design::{Design, PartScale};
 pub use device::{BackendUse, SpringBackend};
 pub use modes_route::ModesRoute;
-pub use prepared::{Prepared, Request, varied_springs};
+pub use prepared::{Kept, Prepared, Request, varied_springs};
 pub use sensitivity::Sensitivity;
 pub use study::{Study, read_study};
 pub use study_error::StudyError;

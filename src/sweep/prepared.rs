@@ -1,7 +1,7 @@
 //! What does not change from design to design: parts reduced once, positions prepared once.
 
 use super::memory::admit_positions;
-use super::{Design, PartScale, SweepError};
+use super::{Design, PartScale, Study, SweepError};
 use crate::coupling::{Around, BasisOptions, CoupledModel, couple};
 use crate::interrupt::Interrupt;
 use crate::linalg::{multiply, multiply_transposed};
@@ -10,6 +10,18 @@ use crate::modal::{Modes, modes_at, track};
 use crate::reduction::Superelement;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+
+/// How much of the machine designs keep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// What the frequency asks for.
+    Needed,
+    /// The whole fixed basis.
+    FixedBasis,
+    /// All coordinates of the parts. Then no number hangs on how many are kept, which changes with a part's material, and
+    /// small differences between designs have no steps.
+    All,
+}
 
 /// What a sweep asks of each design.
 #[derive(Clone, Debug)]
@@ -22,20 +34,29 @@ pub struct Request {
     pub families: Vec<usize>,
     /// The machine is reduced to answer up to this frequency, Hz, or to its families' where they lie above.
     pub highest: f64,
-    /// Whether designs keep the whole fixed basis instead of what the frequency asks for.
-    pub whole_basis: bool,
-    /// Whether the fixed basis keeps all coordinates of the parts too: then no number hangs on how many are kept, which
-    /// changes with a part's material, and small differences between designs have no steps.
-    pub untruncated: bool,
+    /// How much of the machine designs keep.
+    pub kept: Kept,
     /// Elastic modes that are tracked over the positions to name the families.
     pub tracked: usize,
 }
 
 impl Request {
+    /// What a study asks of each design, which keeps what the study's band asks for.
+    pub fn of(study: &Study) -> Self {
+        Self {
+            positions: study.positions.clone(),
+            frequencies: study.frequencies(),
+            families: study.families.clone(),
+            highest: study.band[1],
+            kept: Kept::Needed,
+            tracked: study.families.iter().copied().max().unwrap_or(0),
+        }
+    }
+
     /// The fixed basis where answers reach up to a frequency, Hz.
     fn basis(&self, frequency: f64) -> BasisOptions {
         let options = BasisOptions::up_to(frequency);
-        BasisOptions { band: if self.untruncated { f64::INFINITY } else { options.band }, ..options }
+        BasisOptions { band: if self.kept == Kept::All { f64::INFINITY } else { options.band }, ..options }
     }
 }
 
@@ -77,14 +98,15 @@ impl Prepared {
             model = couple(machine, superelements, BasisOptions { stiffest, ..request.basis(reach) })?;
         }
         let varied = varied_springs(machine, probes);
-        if let Some(first) = request.positions.first() {
-            let alone = Request { positions: vec![*first], ..request.clone() };
-            let one = around_all(&model, machine, &alone, reach, &varied, interrupt)?;
-            let what = (&model, !request.families.is_empty());
-            admit_positions(&one[0], request.positions.len(), what, probes)?;
+        let prepare = |positions: &[f64]| around_all(&model, machine, request, positions, reach, &varied, interrupt);
+        let (first, others) = request.positions.split_at(request.positions.len().min(1));
+        // One says how much memory all of them take.
+        let mut around = prepare(first)?;
+        for one in &around {
+            admit_positions(one, request.positions.len(), (&model, !request.families.is_empty()), probes)?;
         }
         let shapes = nominal_shapes(&model, machine, request)?;
-        let around = around_all(&model, machine, request, reach, &varied, interrupt)?;
+        around.extend(prepare(others)?);
         let families =
             around.iter().zip(&shapes).map(|(around, shapes)| in_coordinates(around, shapes, None)).collect();
         Ok(Self { model, around, families, shapes, reach })
@@ -107,7 +129,7 @@ impl Prepared {
         let options = BasisOptions { stiffest: self.model.stiffest, ..request.basis(self.reach) };
         let model = couple(machine, &scaled, options)?;
         let varied = self.around.first().map(|a| a.varied.clone()).unwrap_or_default();
-        let around = around_all(&model, machine, request, self.reach, &varied, interrupt)?;
+        let around = around_all(&model, machine, request, &request.positions, self.reach, &varied, interrupt)?;
         // Both bases stand over the mass-normalised coordinates of the same superelements.
         let mut crossed = DMatrix::zeros(model.n(), self.model.n());
         for (own, other) in self.model.parts.iter().zip(&model.parts) {
@@ -120,17 +142,17 @@ impl Prepared {
     }
 }
 
-/// The machine at every position around its own design.
+/// The machine at positions around its own design.
 fn around_all(
     model: &CoupledModel,
     machine: &Machine,
     request: &Request,
+    positions: &[f64],
     reach: f64,
     varied: &[usize],
     interrupt: &Interrupt,
 ) -> Result<Vec<Around>, SweepError> {
-    let whole = request.whole_basis || request.untruncated;
-    let reach = if whole { f64::INFINITY } else { reach };
+    let reach = if request.kept == Kept::Needed { reach } else { f64::INFINITY };
     let one = |&position: &f64| -> Result<Around, SweepError> {
         if interrupt.requested() {
             return Err(SweepError::Interrupted);
@@ -138,7 +160,7 @@ fn around_all(
         let base = model.spring_values(machine, position)?.stiffness;
         Ok(model.around(&model.at(position)?, &base, varied, reach)?)
     };
-    request.positions.par_iter().map(one).collect()
+    positions.par_iter().map(one).collect()
 }
 
 /// Shapes in a fixed basis, its own or one that `crossed` brings there, as shapes in the coordinates around a base.

@@ -4,7 +4,7 @@ use super::{HIGHEST, models};
 use std::sync::LazyLock;
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::SpringStiffness;
-use stiffmap::sweep::{Design, Evaluation, Evaluator, ModesRoute, Request, Sensitivity, SweepError};
+use stiffmap::sweep::{Design, Evaluation, Evaluator, Kept, ModesRoute, Request, Sensitivity, SweepError};
 
 static INTERRUPT: LazyLock<Interrupt> = LazyLock::new(Interrupt::default);
 
@@ -64,8 +64,7 @@ fn sensitivities_are_the_slopes_of_the_metrics_in_every_damping() {
             frequencies: (0..=150).map(|k| 10.0 * f64::from(k)).collect(),
             families: vec![1, 2],
             highest: HIGHEST,
-            whole_basis: false,
-            untruncated: false,
+            kept: Kept::Needed,
             tracked: 4,
         };
         let probes = [design(&nominal, &[1.3, 1.2, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0])];

@@ -13,10 +13,8 @@ mod outputs;
 mod support;
 
 use serde_json::Value;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use stiffmap::mesh::Mesh;
 use tempfile::TempDir;
 
 /// Two parts whose mesh files have one name, a guide and a screw.
@@ -99,23 +97,8 @@ fn truth(density: f64) -> f64 {
     (1e6 / (density * VOLUME)).sqrt() / std::f64::consts::TAU
 }
 
-/// A mesh as an Abaqus input file whose material stands in another file.
-fn inp(mesh: &Mesh) -> String {
-    let mut text = String::from("*NODE\n");
-    for (label, [x, y, z]) in mesh.node_labels.iter().zip(&mesh.nodes) {
-        writeln!(text, "{label}, {x}, {y}, {z}").unwrap();
-    }
-    text += "*ELEMENT, TYPE=C3D10, ELSET=ALL\n";
-    for cell in &mesh.cells {
-        let nodes: Vec<String> = cell.nodes.iter().map(|n| mesh.node_labels[*n].to_string()).collect();
-        writeln!(text, "{}, {}", cell.label, nodes.join(", ")).unwrap();
-    }
-    for (name, nodes) in &mesh.node_sets {
-        let nodes: Vec<String> = nodes.iter().map(|n| mesh.node_labels[*n].to_string()).collect();
-        writeln!(text, "*NSET, NSET={name}\n{}", nodes.join(",\n")).unwrap();
-    }
-    text + "*INCLUDE, INPUT=more/steel.inp\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n"
-}
+/// What a mesh file says of its material, which stands in another file.
+const STEEL: &str = "*INCLUDE, INPUT=more/steel.inp\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n";
 
 fn material(density: f64) -> String {
     format!("*MATERIAL, NAME=STEEL\n*ELASTIC\n210e9, 0.3\n*DENSITY\n{density}\n")
@@ -132,7 +115,7 @@ impl Room {
         room.write("machine.toml", MACHINE);
         room.write("study.toml", STUDY);
         for (part, mesh) in [("bed", bed), ("block", block)] {
-            room.write(&format!("{part}/part.inp"), &inp(&mesh));
+            room.write(&format!("{part}/part.inp"), &support::inp(&mesh, STEEL));
             room.write(&format!("{part}/more/steel.inp"), &material(DENSITY));
         }
         room

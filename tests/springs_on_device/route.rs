@@ -6,7 +6,7 @@ use crate::support::slide::Slide;
 use stiffmap::gpu::{Backend, Precision};
 use stiffmap::interrupt::Interrupt;
 use stiffmap::machine::{Damping, Machine, SpringStiffness};
-use stiffmap::sweep::{CouplingRoute, Design, Evaluation, Evaluator, Request, SpringBackend, SweepError};
+use stiffmap::sweep::{CouplingRoute, Design, Evaluation, Evaluator, Kept, Request, SpringBackend, SweepError};
 
 fn scaled(machine: &Machine, mut factor: impl FnMut() -> f64) -> Design {
     let mut design = Design::nominal(machine);
@@ -34,8 +34,7 @@ fn evaluate(
         frequencies: (0..=300).map(|k| 10.0 * f64::from(k)).collect(),
         families: Vec::new(),
         highest: 3000.0,
-        whole_basis: true,
-        untruncated: false,
+        kept: Kept::FixedBasis,
         tracked: 0,
     };
     let interrupt = Interrupt::default();

@@ -7,6 +7,7 @@ pub mod grids;
 pub mod slide;
 pub mod tets;
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use stiffmap::machine::{
     ComponentAnalysis, Interface, Material, MeshUnits, Part, Placement, ReductionMethod, Region, SurfaceCoupling,
@@ -17,6 +18,25 @@ use stiffmap::reduction::{ReductionRequest, Superelement, reduce};
 /// Steel: 210 GPa, 0.3, 7850 kg/m^3.
 pub fn steel() -> Material {
     Material { name: "steel".into(), young: 210e9, poisson: 0.3, density: 7850.0 }
+}
+
+/// A mesh of ten-node tetrahedra as the text of an Abaqus input file, its set ALL of the elements; `material` is what
+/// follows.
+pub fn inp(mesh: &Mesh, material: &str) -> String {
+    let mut text = String::from("*NODE\n");
+    for (label, [x, y, z]) in mesh.node_labels.iter().zip(&mesh.nodes) {
+        writeln!(text, "{label}, {x}, {y}, {z}").expect("text");
+    }
+    text += "*ELEMENT, TYPE=C3D10, ELSET=ALL\n";
+    for cell in &mesh.cells {
+        let nodes: Vec<String> = cell.nodes.iter().map(|n| mesh.node_labels[*n].to_string()).collect();
+        writeln!(text, "{}, {}", cell.label, nodes.join(", ")).expect("text");
+    }
+    for (name, nodes) in &mesh.node_sets {
+        let nodes: Vec<String> = nodes.iter().map(|n| mesh.node_labels[*n].to_string()).collect();
+        writeln!(text, "*NSET, NSET={name}\n{}", nodes.join(",\n")).expect("text");
+    }
+    text + material
 }
 
 /// The corner pair of each midside node, written here from the Abaqus manual, not from the crate.

@@ -22,7 +22,6 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
-use stiffmap::mesh::Mesh;
 use stiffmap::sweep::{Study, StudyError, read_study};
 use tempfile::TempDir;
 
@@ -110,34 +109,16 @@ stiffness_x = "maximise"
 cost = "minimise"
 "#;
 
-/// A mesh as an Abaqus input file of steel.
-fn inp(mesh: &Mesh) -> String {
-    let mut text = String::from("*NODE\n");
-    for (label, [x, y, z]) in mesh.node_labels.iter().zip(&mesh.nodes) {
-        writeln!(text, "{label}, {x}, {y}, {z}").unwrap();
-    }
-    text += "*ELEMENT, TYPE=C3D10, ELSET=ALL\n";
-    for cell in &mesh.cells {
-        let nodes: Vec<String> = cell.nodes.iter().map(|n| mesh.node_labels[*n].to_string()).collect();
-        writeln!(text, "{}, {}", cell.label, nodes.join(", ")).unwrap();
-    }
-    for (name, nodes) in &mesh.node_sets {
-        writeln!(text, "*NSET, NSET={name}").unwrap();
-        for line in nodes.chunks(8) {
-            let line: Vec<String> = line.iter().map(|n| mesh.node_labels[*n].to_string()).collect();
-            writeln!(text, "{}", line.join(", ")).unwrap();
-        }
-    }
-    text += "*MATERIAL, NAME=STEEL\n*ELASTIC\n210e9, 0.3\n*DENSITY\n7850\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n";
-    text
-}
+/// What the mesh files say of their material.
+const STEEL: &str =
+    "*MATERIAL, NAME=STEEL\n*ELASTIC\n210e9, 0.3\n*DENSITY\n7850\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n";
 
 /// The slide and a study in a folder of their own.
 fn folder_with(study: &str) -> TempDir {
     static MESHES: OnceLock<[String; 2]> = OnceLock::new();
     let [bed, carriage] = MESHES.get_or_init(|| {
         let (_, meshes) = support::slide::machine(true);
-        [inp(&meshes[0]), inp(&meshes[1])]
+        [0, 1].map(|part| support::inp(&meshes[part], STEEL))
     });
     let folder = tempfile::tempdir().unwrap();
     let files = [("machine.toml", MACHINE), ("study.toml", study), ("bed.inp", bed), ("carriage.inp", carriage)];

@@ -13,7 +13,7 @@ use stiffmap::machine::{Damping, JointKind, Machine, Material, SpringStiffness, 
 use stiffmap::modal::{Modes, modes_at};
 use stiffmap::pipeline::{read_meshes, reduce_parts};
 use stiffmap::reduction::{Cache, Superelement};
-use stiffmap::sweep::{CouplingRoute, Design, Evaluation, Evaluator, ModesRoute, PartScale, Request, SweepError};
+use stiffmap::sweep::{CouplingRoute, Design, Evaluation, Evaluator, Kept, ModesRoute, PartScale, Request, SweepError};
 
 static INTERRUPT: LazyLock<Interrupt> = LazyLock::new(Interrupt::default);
 
@@ -51,7 +51,7 @@ fn request(machine: &Machine, highest: f64, positions: Vec<f64>) -> Request {
     let frequencies = (0..=450).map(|k| highest * k as f64 / 450.0).collect();
     assert!(positions.iter().all(|p| machine.axis.stations().contains(p)), "stations");
     let families = Vec::new();
-    Request { positions, frequencies, families, highest, whole_basis: false, untruncated: false, tracked: 0 }
+    Request { positions, frequencies, families, highest, kept: Kept::Needed, tracked: 0 }
 }
 
 fn slide_with(damping: Damping) -> Machine {

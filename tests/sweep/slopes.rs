@@ -7,7 +7,7 @@ use stiffmap::interrupt::Interrupt;
 use stiffmap::pipeline::{read_meshes, reduce_parts};
 use stiffmap::reduction::Superelement;
 use stiffmap::sweep::table::Row;
-use stiffmap::sweep::{Evaluator, ModesRoute, Request};
+use stiffmap::sweep::{Evaluator, Kept, ModesRoute, Request};
 use toml::{Table, Value as Toml};
 
 /// Difference of a slope from that of central differences, as a share of it.
@@ -64,15 +64,7 @@ fn wrong_slopes(
     let interrupt = Interrupt::default();
     let parts = reduce_parts(&study.machine, &meshes, None, &interrupt, &|| {}).expect("reduces");
     let parts: Vec<Superelement> = parts.into_iter().map(|p| p.superelement).collect();
-    let request = Request {
-        positions: study.positions.clone(),
-        frequencies: study.frequencies(),
-        families: study.families.clone(),
-        highest: study.band[1],
-        whole_basis: false,
-        untruncated: false,
-        tracked: study.families.iter().copied().max().unwrap_or(0),
-    };
+    let request = Request::of(&study);
     let n = study.variables.len();
     let at = vec![1.0; n];
     let beside = |variable: usize, step: f64| {
@@ -84,7 +76,7 @@ fn wrong_slopes(
     let probes = [0.95, 1.05].map(|factor| study.design(&vec![factor; n]));
     let route = ModesRoute::new(&study.machine, &parts, request.clone(), &probes, &interrupt).expect("prepared");
     // What a part's material changes is differenced by all coordinates: how many are kept would change with it in steps.
-    let untruncated = Request { untruncated: true, ..request };
+    let untruncated = Request { kept: Kept::All, ..request };
     let whole = ModesRoute::new(&study.machine, &parts, untruncated, &probes, &interrupt).expect("prepared");
     let evaluation = route.evaluate(&[study.design(&at)]).swap_remove(0).expect("answered");
     let mut found = route.sensitivities(&at, &|values| Ok(study.design(values))).expect("answered");
