@@ -48,6 +48,8 @@ impl AroundOptions {
 pub struct Around {
     /// Position, m.
     pub position: f64,
+    /// The frequency that the machine's fixed basis is made for, Hz.
+    pub frequency: f64,
     /// Eigenvalues of its m coordinates in the base design, (rad/s)^2.
     pub eigenvalues: DVector<f64>,
     /// How many of them, the first, are modes of the base; the others carry inertia above the band.
@@ -221,6 +223,7 @@ impl CoupledModel {
         let eigenvalues = eigen.values.iter().take(low).chain(above.kept.iter()).copied();
         Ok(Around {
             position: at.position,
+            frequency: self.frequency,
             eigenvalues: DVector::from_vec(eigenvalues.collect()),
             modes: low,
             free: eigen.free,

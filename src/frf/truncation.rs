@@ -68,7 +68,9 @@ pub fn modal_systems(
 ) -> Result<(Vec<ModalSystem>, Truncation), FrfError> {
     let kept = |modes: &Modes| {
         let elastic = match selection {
-            Selection::Controlled { .. } => modes.count_up_to(2.0 * highest).max(modes.free),
+            Selection::Controlled { .. } => {
+                modes.count_up_to(2.0 * highest).max(modes.free).max(coupled_by_parts(modes))
+            }
             Selection::Exactly { modes: n, .. } => modes.free + n,
         };
         elastic.min(modes.eigenvalues.len())
@@ -117,23 +119,24 @@ fn overdamped(sums: &[Sums<'_>]) -> Option<FrfError> {
     (ratio > 0.5).then_some(FrfError::Overdamped { frequency, ratio })
 }
 
-/// The modal system of all modes of one position, with the static compliance that no mode carries, for frequencies up
-/// to `highest` (Hz).
+/// Modes that parts with loss factors couple; what they take from the modes beyond is static and in these already.
+fn coupled_by_parts(modes: &Modes) -> usize {
+    let parts = modes.dissipation.as_ref().and_then(|d| d.parts.as_ref());
+    parts.map_or(0, |parts| parts.between_modes.nrows())
+}
+
+/// The modal system of all modes of one position, with the static compliance that no mode carries.
 ///
 /// # Errors
 /// [`FrfError::Eigen`] as for [`modal_systems`].
-pub fn full_system(modes: &Modes, highest: f64) -> Result<ModalSystem, FrfError> {
-    let mut sums = Sums::new(modes, modes.eigenvalues.len());
-    sums.reach = modes.count_up_to(2.0 * highest);
-    sums.system(Some(0), false)
+pub fn full_system(modes: &Modes) -> Result<ModalSystem, FrfError> {
+    Sums::new(modes, modes.eigenvalues.len()).system(Some(0), false)
 }
 
 /// The modes of one position, as projection has them and, where damping couples them, without what couples them.
 struct Sums<'a> {
     own: Tail<'a>,
     coupled: Option<Tail<'a>>,
-    /// Parts with loss factors couple the modes below this rank.
-    reach: usize,
 }
 
 impl<'a> Sums<'a> {
@@ -162,7 +165,7 @@ impl<'a> Sums<'a> {
                 losses: Cow::Owned((0..d.loss_factors.len()).map(|r| d.loss_factor(r, modes.eigenvalues[r])).collect()),
             }
         });
-        Self { own, coupled, reach: kept }
+        Self { own, coupled }
     }
 
     fn system(&self, degree: Option<usize>, real: bool) -> Result<ModalSystem, FrfError> {
@@ -171,7 +174,7 @@ impl<'a> Sums<'a> {
             let plain = tail.system(degree, real);
             let (plain, is_complex) = match &d.parts {
                 None => (plain, false),
-                Some(parts) => (complex_modes(&plain, &tail.summed(), parts, d, self.reach)?, true),
+                Some(parts) => (complex_modes(&plain, &tail.summed(), parts, d)?, true),
             };
             let exact = ExactDamping::new(plain, is_complex, d.viscous.clone(), d.structural.clone());
             system.exact = Some(Arc::new(exact));
@@ -194,11 +197,10 @@ fn complex_modes(
     ranks: &[usize],
     parts: &crate::modal::PartLosses,
     d: &crate::modal::Dissipation,
-    reach: usize,
 ) -> Result<ModalSystem, FrfError> {
     // Those that parts couple stand after the free motions and before the rest.
     let first = system.frequencies.iter().take_while(|f| **f == 0.0).count();
-    let end = ranks.iter().take_while(|r| **r < parts.between_modes.nrows().min(reach)).count().max(first);
+    let end = ranks.iter().take_while(|r| **r < parts.between_modes.nrows()).count().max(first);
     let own = &ranks[first..end];
     let n = own.len();
     let lambda = |k: usize| (TAU * system.frequencies[first + k]).powi(2);

@@ -166,7 +166,7 @@ pub fn modes_around(
         elongations: &elongations,
         residual,
         parts,
-        reach: f64::INFINITY,
+        reach: PARTS_REACH * around.frequency,
     };
     rows.modes(position, damping, springs, eigen)
 }

@@ -73,8 +73,7 @@ impl<'a> ModesRoute<'a> {
             return Err(SweepError::Interrupted);
         }
         let modes = self.modes(prepared, design, index)?;
-        let highest = self.bases.request.frequencies.last().copied().unwrap_or(0.0);
-        let systems = [full_system(&modes, highest)?];
+        let systems = [full_system(&modes)?];
         let positions = [modes.position];
         let request = FrfRequest {
             positions: &positions,
